@@ -1,0 +1,72 @@
+"""What the rooms offer, found by name.
+
+A room's ``__init__.py`` lists its `Form`s in FORMS and its `Analysis` records in ANALYSES; the
+command line, study files, the worker, operators and the explorer find them here as "room.name".
+"""
+
+import importlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from .errors import ParameterError
+from .progress import Progress
+from .scene import Mesh, Scene
+
+ROOMS = ("glass", "scan", "light", "sun", "structure", "explore", "caustics")
+
+
+class Run(Protocol):
+    """An engine function: scene and record in, result out; deterministic for a given seed."""
+
+    def __call__(self, scene: Scene, record: Any, *, seed: int, progress: Progress) -> Any: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """A shape that a study or a panel can ask for: a record and the function that builds it."""
+
+    name: str
+    record: type
+    build: Callable[[Any], Mesh]
+
+
+@dataclass(frozen=True, slots=True)
+class Analysis:
+    """A name, the record it takes, the function that does it, and the result it gives.
+
+    ``shows`` is the result class: it has ``save(folder) -> list[str]``, ``load(folder)``,
+    ``figures()`` and ``meta``.
+    """
+
+    name: str
+    record: type
+    run: Run
+    shows: type
+
+
+def find_form(name: str, where: str) -> Form:
+    """The form of that name. Raises ParameterError, naming ``where`` it was asked for."""
+    return _find(name, "FORMS", where)
+
+
+def find_analysis(name: str, where: str) -> Analysis:
+    """The analysis of that name. Raises ParameterError, naming ``where`` it was asked for."""
+    return _find(name, "ANALYSES", where)
+
+
+def _find(name: str, listed: str, where: str) -> Any:
+    offered = {}
+    room = name.partition(".")[0]
+    if room in ROOMS:
+        try:
+            module = importlib.import_module(f"..{room}", __package__)
+        except ModuleNotFoundError as missing:
+            if missing.name != f"{__package__.rpartition('.')[0]}.{room}":
+                raise
+        else:
+            offered = {entry.name: entry for entry in getattr(module, listed, ())}
+    if name not in offered:
+        known = ", ".join(offered) or "room.name, for example light.trace or glass.object"
+        raise ParameterError(f"{where} asks for “{name}”, which there is not; take {known}.")
+    return offered[name]

@@ -1,0 +1,143 @@
+"""What an analysis is given: plain meshes with materials, luminaires and receivers.
+
+Metres, Z up. Nothing here knows Blender, Mitsuba or a file format.
+"""
+
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .parameters import param
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Material:
+    """How a surface treats light."""
+
+    kind: Literal["dielectric", "mirror", "diffuse", "plastic", "absorber"] = param(
+        "dielectric", help="Clear smooth glass, mirror, matte, matte under a gloss, or black"
+    )
+    ior: float = param(1.5, "", 1.0, 4.0, "Index of refraction of the glass against air")
+    reflectance: float = param(0.8, "", 0.0, 1.0, "Share of light a mirror or matte surface returns")
+    specularity: float = param(
+        0.0135, "", 0.0, 1.0, "Share of light that a plastic returns as a mirror does"
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lamp:
+    """A luminaire's photometry and luminous opening; it shines along its own −Z."""
+
+    source: Literal["ies", "disk", "point", "beam"] = param(
+        "ies", help="Photometric file, Lambertian opening, isotropic point, or parallel beam"
+    )
+    file: str = param("", help="IES LM-63 file; empty takes the PAR20-like sample")
+    flux: float = param(0.0, "lm", 0.0, 1e9, "Luminous flux; 0 keeps what the IES file says")
+    opening: Literal["file", "round", "rectangular"] = param(
+        "file", help="Shape of the luminous opening; “file” takes what the IES file says"
+    )
+    width: float = param(0.05, "m", 0.0, 100.0, "Diameter of the opening, or its size along X")
+    length: float = param(0.05, "m", 0.0, 100.0, "Size of a rectangular opening along Y")
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """A polygon mesh of triangles or of quadrilaterals.
+
+    ``vertices`` (V, 3) float64 in m; ``faces`` (F, 3) or (F, 4) int32, counter-clockwise seen from
+    outside; ``normals`` (F, 3 or 4, 3) float32 unit vectors per face corner, or None for flat
+    faces. Corners rather than vertices carry normals, so that a crease between two beads stays one.
+    """
+
+    vertices: Vector
+    faces: NDArray[np.int32]
+    normals: NDArray[np.float32] | None = None
+
+    def triangles(self) -> "Mesh":
+        """The same surface in triangles; a quadrilateral splits along its first diagonal."""
+        if self.faces.shape[1] == 3:
+            return self
+        split = np.array([[0, 1, 2], [0, 2, 3]])
+        faces = self.faces[:, split].reshape(-1, 3)
+        normals = None if self.normals is None else self.normals[:, split].reshape(-1, 3, 3)
+        return Mesh(self.vertices, faces, normals)
+
+    def moved(self, matrix: NDArray[np.floating[Any]]) -> "Mesh":
+        """The mesh under a 4×4 affine ``matrix``; a mirroring one turns the faces about."""
+        linear, shift = matrix[:3, :3], matrix[:3, 3]
+        vertices = self.vertices @ linear.T + shift
+        normals = self.normals
+        if normals is not None:
+            turned = normals @ np.linalg.inv(linear)
+            normals = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
+        faces = self.faces
+        if np.linalg.det(linear) < 0:
+            faces = faces[:, ::-1]
+            normals = None if normals is None else normals[:, ::-1]
+        return Mesh(
+            vertices,
+            np.ascontiguousarray(faces),
+            None if normals is None else np.ascontiguousarray(normals, dtype=np.float32),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A named mesh with its material."""
+
+    name: str
+    mesh: Mesh
+    material: Material
+
+
+@dataclass(frozen=True, slots=True)
+class Luminaire:
+    """A named lamp at a place. ``pose`` (4, 4) takes its own axes to the world's."""
+
+    name: str
+    lamp: Lamp
+    pose: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
+
+
+@dataclass(frozen=True, slots=True)
+class Receiver:
+    """A named opaque rectangle that gathers light on the side that ``u`` × ``v`` points to.
+
+    ``origin`` (3,) is the corner at texture coordinate (0, 0), ``u`` and ``v`` (3,) its
+    perpendicular edges in m; ``columns`` along u and ``rows`` along v are its texels.
+    """
+
+    name: str
+    origin: Vector
+    u: Vector
+    v: Vector
+    columns: int
+    rows: int
+
+    @property
+    def normal(self) -> Vector:
+        """The unit normal of the side that gathers."""
+        cross = np.cross(self.u, self.v)
+        return cross / np.linalg.norm(cross)
+
+    @property
+    def texel_area(self) -> float:
+        """Area of one texel in m²."""
+        return float(np.linalg.norm(np.cross(self.u, self.v)) / (self.columns * self.rows))
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Everything that light meets, in metres."""
+
+    bodies: tuple[Body, ...] = ()
+    luminaires: tuple[Luminaire, ...] = ()
+    receivers: tuple[Receiver, ...] = ()
+
+    def without(self, name: str) -> "Scene":
+        """The scene less the body of that name."""
+        return replace(self, bodies=tuple(b for b in self.bodies if b.name != name))
