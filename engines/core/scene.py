@@ -22,7 +22,9 @@ class Material:
         "dielectric", help="Clear smooth glass, mirror, matte, matte under a gloss, or black"
     )
     ior: float = param(1.5, "", 1.0, 4.0, "Index of refraction of the glass against air")
-    reflectance: float = param(0.8, "", 0.0, 1.0, "Share of light a mirror or matte surface returns")
+    reflectance: float = param(
+        0.8, "", 0.0, 1.0, "Share of light a mirror or matte surface returns"
+    )
     specularity: float = param(
         0.0135, "", 0.0, 1.0, "Share of light that a plastic returns as a mirror does"
     )
@@ -30,7 +32,10 @@ class Material:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lamp:
-    """A luminaire's photometry and luminous opening; it shines along its own −Z."""
+    """A luminaire's photometry and luminous opening.
+
+    It shines along its own −Z; the photometric plane C0 is its +X, C90 its +Y.
+    """
 
     source: Literal["ies", "disk", "point", "beam"] = param(
         "ies", help="Photometric file, Lambertian opening, isotropic point, or parallel beam"
@@ -40,8 +45,8 @@ class Lamp:
     opening: Literal["file", "round", "rectangular"] = param(
         "file", help="Shape of the luminous opening; “file” takes what the IES file says"
     )
-    width: float = param(0.05, "m", 0.0, 100.0, "Diameter of the opening, or its size along X")
-    length: float = param(0.05, "m", 0.0, 100.0, "Size of a rectangular opening along Y")
+    width: float = param(0.05, "m", 0.0, 100.0, "Diameter of the opening, or its size along Y")
+    length: float = param(0.05, "m", 0.0, 100.0, "Size of a rectangular opening along X")
 
 
 @dataclass(frozen=True, slots=True)

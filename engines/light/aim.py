@@ -1,0 +1,133 @@
+"""Which directions, or which parts of a beam, can meet a body at all.
+
+Bodies are covered by balls, the opening by points with a covering radius; a cell is kept when light
+of it could touch a ball. The cover errs only to the safe side, so leaving cells out is unbiased.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
+
+from .luminaires import Source
+
+VOXELS = 64
+OPENING_POINTS = 64
+CLASSES = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 180.0)
+"""Angular radii in degrees that the balls are gathered into before their cells are spread."""
+
+
+def cover(triangles: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """Balls that contain a triangle soup (T, 3, 3): centres (K, 3) and their common radius.
+
+    The centres are those of the occupied voxels of a grid; large triangles are split until they
+    are about a voxel's size.
+    """
+    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    size = max(float((high - low).max()) / VOXELS, 1e-9)
+    middle, radius = _middles(triangles)
+    while (large := radius > size).any():
+        pieces = _split(triangles[large])
+        triangles = np.concatenate([triangles[~large], pieces])
+        middle, radius = _middles(triangles)
+    index = ((middle - low) / size).astype(np.int64).clip(0, VOXELS - 1)
+    occupied = np.zeros((VOXELS,) * 3, bool)
+    occupied[tuple(index.T)] = True
+    centres = low + (np.argwhere(occupied) + 0.5) * size
+    return centres, size * np.sqrt(3) / 2 + float(radius.max())
+
+
+def _middles(triangles: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    middle = triangles.mean(axis=1)
+    square = ((triangles - middle[:, None]) ** 2).sum(axis=2)
+    return middle, np.sqrt(square.max(axis=1))
+
+
+def _split(triangles: NDArray[np.float64]) -> NDArray[np.float64]:
+    a, b, c = triangles.transpose(1, 0, 2)
+    ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+    quarters = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+    return np.concatenate([np.stack(q, axis=1) for q in quarters])
+
+
+def opening_points(source: Source) -> tuple[NDArray[np.float64], float]:
+    """Points (P, 2) m on the opening and a radius within which each of its places has one."""
+    if source.shape == "point":
+        return np.zeros((1, 2)), 0.0
+    half = np.array([source.length, source.width]) / 2
+    k = np.arange(OPENING_POINTS)
+    if source.shape == "round":
+        turn, reach = k * np.pi * (3 - np.sqrt(5)), np.sqrt((k + 0.5) / OPENING_POINTS)
+        points = np.stack([reach * np.cos(turn), reach * np.sin(turn)], axis=1)
+        # A sunflower's places lie within 1.3/√P of a point of it on the unit disk, rim included.
+        return points * half, 1.3 / np.sqrt(OPENING_POINTS) * 2 * float(half.max())
+    side = int(np.sqrt(OPENING_POINTS))
+    grid = (np.arange(side) + 0.5) / side * 2 - 1
+    x, y = np.meshgrid(grid, grid)
+    points = np.stack([x.ravel(), y.ravel()], axis=1) * half
+    return points, float(np.linalg.norm(half)) / side
+
+
+def directions(
+    source: Source, centres: NDArray[np.float64], radius: float, rows: int, columns: int
+) -> NDArray[np.bool_]:
+    """Cells (rows in γ, columns in C) of direction that can meet a ball; lengths in m."""
+    points, slack = opening_points(source)
+    local = (centres - source.origin) @ source.axes
+    mask = np.zeros((rows, columns), bool)
+    classes = np.radians(CLASSES)
+    marks = np.zeros((len(classes), rows, columns), bool)
+    for x, y in points:
+        ray = local - (x, y, 0.0)
+        distance = np.linalg.norm(ray, axis=1)
+        wide = np.arcsin(np.minimum((radius + slack) / np.maximum(distance, 1e-12), 1.0))
+        wide = np.where(distance <= radius + slack, np.pi, wide)
+        gamma = np.arccos(np.clip(-ray[:, 2] / np.maximum(distance, 1e-12), -1, 1))
+        turn = np.mod(np.arctan2(ray[:, 1], ray[:, 0]), 2 * np.pi)
+        row = np.minimum((gamma / np.pi * rows).astype(int), rows - 1)
+        column = np.minimum((turn / (2 * np.pi) * columns).astype(int), columns - 1)
+        marks[np.searchsorted(classes, wide), row, column] = True
+    for angle, mark in zip(classes, marks, strict=True):
+        if mark.any():
+            mask |= _spread(mark, angle)
+    return mask
+
+
+def _spread(mark: NDArray[np.bool_], angle: float) -> NDArray[np.bool_]:
+    """Cells within ``angle`` of a marked one: along C by the cap's width, then along γ."""
+    rows, columns = mark.shape
+    step = np.pi / rows
+    cap = angle + step
+    spread = np.zeros_like(mark)
+    for row in np.flatnonzero(mark.any(axis=1)):
+        low, high = row * step, (row + 1) * step
+        sine = min(np.sin(low), np.sin(high))
+        if cap >= np.pi / 2 or low <= cap or high >= np.pi - cap:
+            spread[row] = True
+            continue
+        reach = int(np.ceil(np.arcsin(np.sin(cap) / sine) / (2 * np.pi) * columns)) + 1
+        wide = min(2 * reach + 1, columns)
+        spread[row] = maximum_filter1d(mark[row].view(np.uint8), wide, mode="wrap") > 0
+    tall = 2 * (int(np.ceil(cap / step)) + 1) + 1
+    return (
+        maximum_filter1d(spread.view(np.uint8), min(tall, 2 * rows + 1), axis=0, mode="nearest") > 0
+    )
+
+
+def patches(
+    source: Source, centres: NDArray[np.float64], radius: float, cells: int
+) -> NDArray[np.bool_]:
+    """Cells (cells in Y, cells in X) of a parallel beam's cross-section that can meet a ball."""
+    local = (centres - source.origin) @ source.axes
+    ahead = local[:, 2] < radius
+    size = np.array([source.length, source.width])
+    low = np.floor(((local[ahead, :2] - radius) / size + 0.5) * cells).astype(int)
+    high = np.floor(((local[ahead, :2] + radius) / size + 0.5) * cells).astype(int)
+    # Count rectangles by their corners: +1 where one starts, −1 past where it ends.
+    edges = np.zeros((cells + 1, cells + 1), int)
+    inside = (low < cells).all(axis=1) & (high >= 0).all(axis=1)
+    low, high = low[inside].clip(0), high[inside].clip(max=cells - 1) + 1
+    np.add.at(edges, (low[:, 1], low[:, 0]), 1)
+    np.add.at(edges, (high[:, 1], high[:, 0]), 1)
+    np.add.at(edges, (low[:, 1], high[:, 0]), -1)
+    np.add.at(edges, (high[:, 1], low[:, 0]), -1)
+    return edges.cumsum(axis=0).cumsum(axis=1)[:cells, :cells] > 0
