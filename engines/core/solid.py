@@ -58,18 +58,28 @@ class Report:
 
 
 def inspect(mesh: Mesh) -> Report:
-    """Whether ``mesh`` is a solid, and if not, what is wrong with it."""
+    """Whether ``mesh`` is a solid, and if not, what is wrong with it.
+
+    Takes any mesh, of triangles or quadrilaterals, open or broken as it may be; raises nothing.
+    """
     vertices, faces = _merged(mesh)
     usable = _usable(vertices, faces)
-    degenerate = len(faces) - int(np.count_nonzero(_has_area(vertices, faces) & usable))
+    degenerate = np.count_nonzero(~(_has_area(vertices, faces) & usable))
     faces = faces[usable]
     edges = _edges(faces, len(vertices))
-    amiss = [int(np.count_nonzero(e)) for e in (edges.open, edges.crowded, edges.twisted)]
-    parts, wrong = 0, np.empty(0, dtype=bool)
-    if len(faces) and not any(amiss):
+    parts, wrong = 0, np.zeros(0, dtype=bool)
+    if len(faces) and edges.sound:
         labels, wrong = _parts(vertices, faces)
         parts = int(labels.max()) + 1
-    return Report(len(faces), *amiss, parts, int(np.count_nonzero(wrong)), degenerate)
+    return Report(
+        faces=len(faces),
+        open_edges=int(np.count_nonzero(edges.open)),
+        crowded_edges=int(np.count_nonzero(edges.crowded)),
+        twisted_edges=int(np.count_nonzero(edges.twisted)),
+        parts=parts,
+        inside_out=int(np.count_nonzero(wrong)),
+        degenerate=int(degenerate),
+    )
 
 
 def require_solid(name: str, mesh: Mesh) -> None:
@@ -133,6 +143,11 @@ class _Edges:
     open: NDArray[np.bool_]
     crowded: NDArray[np.bool_]
     twisted: NDArray[np.bool_]
+
+    @property
+    def sound(self) -> bool:
+        """Whether every edge has two faces wound alike."""
+        return not (self.open | self.crowded | self.twisted).any()
 
 
 def _edges(faces: Faces, vertices: int) -> _Edges:
@@ -310,8 +325,11 @@ def _closed(mesh: Mesh) -> tuple[Mesh, int]:
         return mesh, 0
     import pymeshlab  # half a second to load, and seldom needed
 
-    work = pymeshlab.MeshSet()
-    work.add_mesh(pymeshlab.Mesh(mesh.vertices, mesh.faces))
+    work = pymeshlab.MeshSet()  # pyright: ignore[reportAttributeAccessIssue]
+    surface = pymeshlab.Mesh(  # pyright: ignore[reportAttributeAccessIssue]
+        mesh.vertices, mesh.faces
+    )
+    work.add_mesh(surface)
     holes = work.meshing_close_holes(maxholesize=gaps + 1)["closed_holes"]
     # Filling appends: the faces that were there stay as they were.
     faces = work.current_mesh().face_matrix().astype(np.int32)
@@ -328,7 +346,7 @@ def _closed(mesh: Mesh) -> tuple[Mesh, int]:
 def _outward(mesh: Mesh) -> tuple[Mesh, int]:
     """The mesh with its parts facing the right way; as it is where it is not closed."""
     edges = _edges(mesh.faces, len(mesh.vertices))
-    if len(mesh.faces) == 0 or (edges.open | edges.crowded | edges.twisted).any():
+    if len(mesh.faces) == 0 or not edges.sound:
         return mesh, 0
     labels, wrong = _parts(mesh.vertices, mesh.faces)
     return _turned(mesh, wrong[labels]), int(np.count_nonzero(wrong))

@@ -14,13 +14,15 @@ class Curve:
     """A closed curve in plan, counter-clockwise, at points evenly spaced along it.
 
     ``points`` (N, 2) in m; ``normals`` (N, 2) outward unit vectors; ``curvature`` (N,) in 1/m,
-    positive where the curve is convex; ``length`` in m, of the curve itself. All float64.
+    positive where the curve is convex. All float64. Of the curve itself, between the points too:
+    its ``length`` in m and ``bend``, the smallest radius in m that it has where it is convex.
     """
 
     points: Vector
     normals: Vector
     curvature: Vector
     length: float
+    bend: float
 
 
 def base_curve(width: float, depth: float, lobes: int, lobe: float, count: int) -> Curve:
@@ -33,18 +35,22 @@ def base_curve(width: float, depth: float, lobes: int, lobe: float, count: int) 
     """
     amplitude = lobe if lobes else 0.0
     dense = np.linspace(0.0, 2 * np.pi, _DENSE + 1)
-    position, speed, _ = _derivatives(dense, lobes, amplitude)
+    position, speed, change = _derivatives(dense, lobes, amplitude)
     scale = np.array([width, depth]) / np.ptp(position, axis=0)
+    bend = 1 / _curvature(speed * scale, change * scale).max()
 
     step = np.hypot(*(speed * scale).T)
     along = np.concatenate([[0.0], np.cumsum((step[1:] + step[:-1]) / 2)]) * dense[1]
     theta = np.interp(np.arange(count) * (along[-1] / count), along, dense)
 
     position, speed, change = (v * scale for v in _derivatives(theta, lobes, amplitude))
-    pace = np.hypot(*speed.T)
-    normals = np.column_stack([speed[:, 1], -speed[:, 0]]) / pace[:, None]
+    normals = np.column_stack([speed[:, 1], -speed[:, 0]]) / np.hypot(*speed.T)[:, None]
+    return Curve(position, normals, _curvature(speed, change), float(along[-1]), float(bend))
+
+
+def _curvature(speed: Vector, change: Vector) -> Vector:
     turn = speed[:, 0] * change[:, 1] - speed[:, 1] * change[:, 0]
-    return Curve(position, normals, turn / pace**3, float(along[-1]))
+    return turn / np.hypot(*speed.T) ** 3
 
 
 def _derivatives(theta: Vector, lobes: int, amplitude: float) -> tuple[Vector, Vector, Vector]:

@@ -46,4 +46,4 @@ def relief(bead: Bead, position: ArrayLike) -> tuple[Vector, Vector]:
         return np.zeros_like(across), np.zeros_like(across)
     radius = arc_radius(bead)
     tilt = -np.arcsin(np.clip(across / radius, -1.0, 1.0))
-    return radius * np.cos(tilt) - (radius - bead.depth), tilt
+    return bead.depth - across**2 / (radius * (1 + np.cos(tilt))), tilt

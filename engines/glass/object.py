@@ -59,7 +59,7 @@ def glass_object(record: GlassObject) -> Mesh:
     """
     record = from_table(GlassObject, to_table(record), _WHERE)
     _check_bead(record)
-    plan = base_curve(record.width, record.depth, record.lobes, record.lobe, 4096)
+    plan = base_curve(record.width, record.depth, record.lobes, record.lobe, _FEWEST_AROUND)
     _check_plan(record, plan)
     around, parts, rings = _grid(record, plan.length)
     curve = base_curve(record.width, record.depth, record.lobes, record.lobe, around)
@@ -117,20 +117,12 @@ def _check_bead(record: GlassObject) -> None:
 
 
 def _check_plan(record: GlassObject, plan: Curve) -> None:
-    bend = 1 / plan.curvature.max()
-    if bend <= record.wall:
+    # Of this family of curves, a wall that is thinner than the tightest bend meets itself nowhere.
+    if plan.bend <= record.wall:
         raise ParameterError(
-            f"[{_WHERE}] The tightest bend has a radius of {_mm(bend)}, too little for a wall of "
-            f"{_mm(record.wall)}: its inside would fold over; take a thinner wall, fewer or "
+            f"[{_WHERE}] The tightest bend has a radius of {_mm(plan.bend)}, too little for a wall "
+            f"of {_mm(record.wall)}: its inside would fold over; take a thinner wall, fewer or "
             "smaller lobes, or a larger object."
-        )
-    # An inner side that still winds around the axis once cannot meet itself.
-    reach = np.einsum("ij,ij->i", plan.points, plan.normals).min()
-    if reach <= record.wall:
-        raise ParameterError(
-            f"[{_WHERE}] The plan comes within {_mm(reach)} of its axis, too near for a wall of "
-            f"{_mm(record.wall)}: opposite sides would meet; take a thinner wall, smaller lobes "
-            "or a larger object."
         )
 
 
@@ -145,10 +137,10 @@ def _grid(record: GlassObject, length: float) -> tuple[int, int, int]:
         around = round(record.faces / (2 * (rows + rings)))
         if around >= fewest:
             return around, parts, rings
+    halves = half_layers(record.height, record.bead)
     raise ParameterError(
-        f"[{_WHERE}] {record.faces} faces are too few for "
-        f"{-(-half_layers(record.height, record.bead) // 2)} layers; take at least "
-        f"{2 * fewest * (rows + rings)}, or higher layers."
+        f"[{_WHERE}] {record.faces} faces are too few for {(halves + 1) // 2} layers; take at "
+        f"least {2 * fewest * (halves + rings)}, or higher layers."
     )
 
 

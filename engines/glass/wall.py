@@ -40,7 +40,8 @@ def levels(height: float, bead: Bead, parts: int) -> Vector:
     whole = half_layers(height, bead) - 1
     last = max(1, int(np.ceil(parts * (height - whole * half) / half - 1e-3)))
     lower = np.arange(whole * parts) * (half / parts)
-    return np.concatenate([lower, np.linspace(whole * half, height, last + 1)])
+    upper = np.linspace(whole * half, height, last + 1)
+    return np.concatenate([lower, upper], dtype=np.float64)
 
 
 def wall_section(thickness: float, height: float, bead: Bead, parts: int, rings: int) -> Section:

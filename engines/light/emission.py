@@ -15,6 +15,7 @@ from ..core import runtime
 from . import aim
 from . import photometry as ies
 from .luminaires import Source
+from .photometry import Photometry
 from .stage import MM, Stage
 
 FINEST, COARSEST = 0.1, 0.5
@@ -54,17 +55,21 @@ def emission(source: Source, stage: Stage, *, everywhere: bool = False) -> Emiss
     return Emission(source, flux, cells.astype(np.float32))
 
 
+def intensity_grid(distribution: Photometry) -> NDArray[np.float64]:
+    """Luminous intensity (rows + 1, AZIMUTHS + 1) in cd at even steps of γ 0..π and C 0..2π."""
+    finest = float(np.diff(distribution.vertical).min(initial=180.0))
+    rows = round(180.0 / np.clip(finest, FINEST, COARSEST))
+    gamma, turn = np.linspace(0, 180, rows + 1), np.linspace(0, 360, AZIMUTHS + 1)
+    return ies.intensity_at(distribution, gamma[:, None], turn[None, :])
+
+
 def _directions(
     source: Source, centres: NDArray[np.float64], radius: float, everywhere: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    distribution = source.distribution
-    assert distribution is not None
-    finest = float(np.diff(distribution.vertical).min(initial=180.0))
-    rows = round(180.0 / np.clip(finest, FINEST, COARSEST))
+    assert source.distribution is not None
+    intensity = intensity_grid(source.distribution)
+    rows = len(intensity) - 1
     gamma, turn = np.linspace(0, np.pi, rows + 1), np.linspace(0, 2 * np.pi, AZIMUTHS + 1)
-    intensity = ies.intensity_at(
-        distribution, np.degrees(gamma)[:, None], np.degrees(turn)[None, :]
-    )
     corners = [intensity[:-1, :-1], intensity[1:, :-1], intensity[:-1, 1:], intensity[1:, 1:]]
     solid = -np.diff(np.cos(gamma)) * (turn[1] - turn[0])
     flux = np.mean(corners, axis=0) * solid[:, None]
@@ -126,15 +131,16 @@ class Emitter:
         # Half the opening along X and Y in mm.
         self._half = [dr.opaque(mi.Float, s * MM / 2) for s in (source.length, source.width)]
 
-    def emit(self, cell: Any, count: int, random: Any) -> tuple[Any, Any, Any]:
-        """Origins (mm), directions and weights (lm) of photons out of the cells ``cell``."""
+    def emit(self, cell: Any, random: Any) -> tuple[Any, Any, Any]:
+        """Origins (mm) and directions of photons out of the cells ``cell``, and the flux (lm) that
+        one would carry if it were the only one."""
         mi = runtime.mitsuba()
         import drjit as dr
 
         row = dr.gather(mi.ArrayXf, self._cells, cell, shape=(ROW, dr.width(cell)))
         s, t = random.next_float32(), random.next_float32()
         source = self.emission.source
-        weight = row[8] / count
+        weight = row[8]
         if source.distribution is None:
             x, y = (row[0] + s * row[2]) * MM, (row[1] + t * row[3]) * MM
             if source.shape == "round":

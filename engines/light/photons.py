@@ -18,7 +18,8 @@ from . import surfaces  # noqa: E402
 
 Float, UInt32, Bool = mi.Float, mi.UInt32, mi.Bool
 
-LANDED, ABSORBED, ESCAPED, CUT_OFF = 1, 2, 3, 4
+FATES = {"landed": 1, "absorbed": 2, "escaped": 3, "cut_off": 4}
+LANDED, ABSORBED, ESCAPED, CUT_OFF = FATES.values()
 DIRECT, CAUSTIC, INDIRECT = 0, 1, 2
 ROULETTE_FROM = 32
 SURVIVAL = 0.9
@@ -91,7 +92,7 @@ def trace_batch(
     key = int(np.random.SeedSequence(seed).generate_state(1)[0])
     scrambled = mi.sample_tea_32(dr.opaque(UInt32, key), dr.arange(UInt32, count))
     random = mi.PCG32(initstate=mi.UInt64(scrambled[0]), initseq=mi.UInt64(scrambled[1]))
-    origin, direction, weight = emitter.emit(cell, dr.opaque(Float, float(count)), random)
+    origin, direction, weight = emitter.emit(cell, random)
     state = Photon(
         origin=origin,
         direction=direction,

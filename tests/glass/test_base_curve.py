@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from heliform.engines.glass.base import base_curve
+from scipy.spatial import KDTree
 
 SHAPES = [(0.2, 0.2, 0, 0.1), (0.262, 0.283, 3, 0.1), (0.231, 0.245, 4, 0.08), (0.3, 0.2, 1, 0.3)]
 
@@ -29,3 +30,14 @@ def test_curvature_turns_once_around(shape):
 def test_a_tube_is_a_circle_and_a_stretched_one_an_ellipse():
     assert base_curve(0.2, 0.2, 0, 0.3, 64).curvature == pytest.approx(10)
     assert base_curve(0.4, 0.2, 0, 0.3, 64).curvature.max() == pytest.approx(0.2 / 0.1**2, rel=1e-6)
+    assert base_curve(0.4, 0.2, 0, 0.3, 5).bend == pytest.approx(0.1**2 / 0.2)
+
+
+@pytest.mark.parametrize("lobes", [1, 2, 3, 4, 6, 12])
+@pytest.mark.parametrize("stretch", [0.1, 0.7, 1.0, 1.4, 10.0])
+def test_a_wall_thinner_than_the_tightest_bend_meets_itself_nowhere(lobes, stretch):
+    for lobe in (0.02, 0.1, 0.3):
+        curve = base_curve(1.0, stretch, lobes, lobe, 8000)
+        wall = 0.99 * curve.bend
+        apart, _ = KDTree(curve.points).query(curve.points - wall * curve.normals)
+        assert apart == pytest.approx(wall, abs=curve.length / 8000)

@@ -30,6 +30,12 @@ def test_a_flat_bead_has_no_relief(bead):
     assert not tilt.any()
 
 
+def test_the_faintest_bead_is_as_good_as_flat():
+    offset, tilt = relief(Bead(sag=5e-324), np.linspace(0, 5e-3, 7))
+    assert offset == pytest.approx(0, abs=1e-12)
+    assert tilt == pytest.approx(0, abs=1e-12)
+
+
 @pytest.mark.parametrize("height", [0.209, 0.2, 0.2000000001, 0.1999999999, 0.20246, 0.005])
 def test_levels_hold_every_boundary_and_apex_and_end_at_the_height(height):
     z = levels(height, Bead(), parts=4)
