@@ -49,6 +49,15 @@ class Lamp:
     length: float = param(0.05, "m", 0.0, 100.0, "Size of a rectangular opening along X")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plane:
+    """A rectangular receiver about its own origin; it gathers on its +Z side."""
+
+    width: float = param(0.8, "m", 1e-3, 1000.0, "Size along X")
+    length: float = param(0.8, "m", 1e-3, 1000.0, "Size along Y")
+    resolution: int = param(256, "", 1, 8192, "Texels along the longer side")
+
+
 @dataclass(frozen=True, slots=True)
 class Mesh:
     """A polygon mesh of triangles or of quadrilaterals.
@@ -133,6 +142,14 @@ class Receiver:
     def texel_area(self) -> float:
         """Area of one texel in m²."""
         return float(np.linalg.norm(np.cross(self.u, self.v)) / (self.columns * self.rows))
+
+
+def plane_receiver(name: str, plane: Plane, pose: NDArray[np.float64]) -> Receiver:
+    """The receiver that ``plane`` is at a 4×4 ``pose``; texels are as square as they can be."""
+    u, v = pose[:3, 0] * plane.width, pose[:3, 1] * plane.length
+    sizes = np.array([np.linalg.norm(u), np.linalg.norm(v)])
+    columns, rows = np.maximum(np.round(plane.resolution * sizes / sizes.max()), 1).astype(int)
+    return Receiver(name, pose[:3, 3] - (u + v) / 2, u, v, int(columns), int(rows))
 
 
 @dataclass(frozen=True, slots=True)

@@ -184,15 +184,19 @@ class _Light:
 
 
 def _rule(source: Source) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Points (P, 2) m on the opening and weights that add up to 1."""
+    """Points (P, 2) m on the opening and weights that add up to 1.
+
+    Fine enough for 0.1 % with the opening at its own width from the receiver and a 25° beam.
+    """
     half = np.array([source.length, source.width]) / 2
     if source.shape == "point":
         return np.zeros((1, 2)), np.ones(1)
-    x, w = np.polynomial.legendre.leggauss(5)
     if source.shape == "rectangular":
+        x, w = np.polynomial.legendre.leggauss(12)
         points = np.stack(np.meshgrid(x, x), axis=-1).reshape(-1, 2)
         return points * half, (w[:, None] * w[None, :]).ravel() / 4
-    # Even in r², Gauss along it; a regular polygon of directions is exact to the 11th harmonic.
-    radius, turn = np.sqrt((x + 1) / 2), np.arange(12) * np.pi / 6
+    # Even in r², Gauss along it; a regular polygon of directions is exact to its last harmonic.
+    x, w = np.polynomial.legendre.leggauss(8)
+    radius, turn = np.sqrt((x + 1) / 2), np.arange(16) * np.pi / 8
     points = radius[:, None, None] * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-    return points.reshape(-1, 2) * half, np.repeat(w / 2, 12) / 12
+    return points.reshape(-1, 2) * half, np.repeat(w / 2, 16) / 16

@@ -1,0 +1,124 @@
+"""Meshes between Blender and the engines, through arrays."""
+
+import math
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...engines.core.errors import SceneError
+from ...engines.core.scene import Mesh
+
+_NORMALS = "custom_normal"
+_CREASE = math.radians(30)
+
+
+def to_blender(mesh: Mesh, target: str | bpy.types.Mesh) -> bpy.types.Mesh:
+    """Put ``mesh`` into a mesh datablock, or into a new one of that name.
+
+    Exact to float32, the corner normals too, in Blender units. Materials stay. Where the faces are
+    as they were, only places and normals are written.
+    """
+    block = bpy.data.meshes.new(target) if isinstance(target, str) else target
+    if not _has_faces(block, mesh.faces):
+        block.clear_geometry()
+        count, sides = mesh.faces.shape
+        block.vertices.add(len(mesh.vertices))
+        block.loops.add(count * sides)
+        block.loops.foreach_set("vertex_index", mesh.faces.ravel())
+        block.polygons.add(count)
+        starts = np.arange(0, count * sides, sides, dtype=np.int32)
+        block.polygons.foreach_set("loop_start", starts)
+    places = np.ascontiguousarray(mesh.vertices, dtype=np.float32)
+    block.attributes["position"].data.foreach_set("vector", places.ravel())
+    if mesh.normals is None:
+        _forget_normals(block)
+        block.shade_flat()
+    else:
+        block.shade_smooth()
+        # Free normals, written as they are: 1 ms, where normals_split_custom_set takes 2.4 s.
+        stored = block.attributes.get(_NORMALS)
+        if stored is None:
+            stored = block.attributes.new(_NORMALS, "FLOAT_VECTOR", "CORNER")
+        stored.data.foreach_set("vector", mesh.normals.ravel())
+    block.update(calc_edges=not block.edges)
+    return block
+
+
+def lines_to_blender(
+    points: NDArray[np.float64], edges: NDArray[np.int32], block: bpy.types.Mesh
+) -> None:
+    """Put ``points`` (N, 3) joined by ``edges`` (E, 2), without faces, into a mesh datablock."""
+    block.clear_geometry()
+    block.vertices.add(len(points))
+    block.edges.add(len(edges))
+    block.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    block.edges.foreach_set("vertices", edges.astype(np.int32).ravel())
+    block.update()
+
+
+def from_blender(evaluated: bpy.types.Object) -> Mesh:
+    """The mesh of an evaluated object in its own axes and Blender units, modifiers included.
+
+    Quadrilaterals stay whole where they split along their first diagonal; other polygons come as
+    Blender's triangles. Raises SceneError, naming the object, where there are no faces.
+    """
+    block = evaluated.to_mesh()
+    try:
+        if block is None or not block.polygons:
+            raise SceneError(
+                f"“{evaluated.name}” has no faces; give it a mesh, or set its role to None."
+            )
+        if evaluated.modifiers and _has_free_normals(block):
+            # Free normals do not follow a modifier; smooth shading with creases does.
+            block = block.copy() if False else block
+            _forget_normals(block)
+            block.set_sharp_from_angle(angle=_CREASE)
+        return _read(block)
+    finally:
+        evaluated.to_mesh_clear()
+
+
+def _read(block: bpy.types.Mesh) -> Mesh:
+    places = np.empty((len(block.vertices), 3), dtype=np.float32)
+    block.attributes["position"].data.foreach_get("vector", places.ravel())
+    corners = np.empty(len(block.loops), dtype=np.int32)
+    block.attributes[".corner_vert"].data.foreach_get("value", corners)
+    picked = _picked(block)
+    normals = None
+    if block.normals_domain != "FACE":
+        normals = np.empty((len(block.loops), 3), dtype=np.float32)
+        block.corner_normals.foreach_get("vector", normals.ravel())
+        normals = normals[picked]
+    return Mesh(places.astype(np.float64), corners[picked], normals)
+
+
+def _picked(block: bpy.types.Mesh) -> NDArray[np.int32]:
+    """The corners (F, 3) or (F, 4) of the faces."""
+    count = len(block.loop_triangles)
+    triangles = np.empty((count, 3), dtype=np.int32)
+    block.loop_triangles.foreach_get("loops", triangles.ravel())
+    if count == 2 * len(block.polygons) and 2 * len(block.loops) == 4 * count:
+        quads = np.arange(len(block.loops), dtype=np.int32).reshape(-1, 4)
+        if np.array_equal(triangles, quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)):
+            return quads
+    return triangles
+
+
+def _has_faces(block: bpy.types.Mesh, faces: NDArray[np.int32]) -> bool:
+    if len(block.loops) != faces.size or len(block.polygons) != len(faces):
+        return False
+    present = np.empty(faces.size, dtype=np.int32)
+    block.attributes[".corner_vert"].data.foreach_get("value", present)
+    return np.array_equal(present, faces.ravel())
+
+
+def _has_free_normals(block: bpy.types.Mesh) -> bool:
+    stored = block.attributes.get(_NORMALS)
+    return stored is not None and stored.data_type == "FLOAT_VECTOR"
+
+
+def _forget_normals(block: bpy.types.Mesh) -> None:
+    stored = block.attributes.get(_NORMALS)
+    if stored is not None:
+        block.attributes.remove(stored)

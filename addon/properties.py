@@ -1,0 +1,285 @@
+"""Blender's properties, derived from the engines' parameter records.
+
+Lengths are kept in Blender units, as every length in Blender is; `read` and `write` take the
+scene's ``scale``, the metres in one of them (see `scale_of`). Angles are radians in Blender and
+degrees in a record.
+"""
+
+import functools
+import math
+import zlib
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from ..engines.core.colour import Display
+from ..engines.core.parameters import Field, bounds_text, canonical, fields_of
+from ..engines.core.scene import Lamp, Material, Plane
+from ..engines.glass import GlassObject
+from ..engines.light import PhotonTracing
+
+Update = Callable[[Any, bpy.types.Context], None]
+
+_ACRONYMS = {"ies": "IES"}
+_quiet = 0
+
+
+def scale_of(scene: bpy.types.Scene) -> float:
+    """Metres in one Blender unit of ``scene``."""
+    return canonical(scene.unit_settings.scale_length)
+
+
+# From a record to properties
+
+
+@functools.cache
+def group_for(record: type, update: Update | None = None) -> type[bpy.types.PropertyGroup]:
+    """The PropertyGroup that holds a record; ``update`` is called when a person changes it.
+
+    Made once for each record and update, and registered by `register` with the others.
+    """
+    annotations = annotations_for(record, update)
+    name = f"HELIFORM_PG_{record.__name__}{'_live' if update else ''}"
+    group = type(
+        name, (bpy.types.PropertyGroup,), {"__doc__": record.__doc__, "__annotations__": annotations}
+    )
+    _groups.append(group)
+    return group
+
+
+_groups: list[type[bpy.types.PropertyGroup]] = []
+
+
+def annotations_for(record: type, update: Update | None = None) -> dict[str, Any]:
+    """A property for each field of a record, to be the annotations of a group or an operator."""
+    return {field.name: _property(field, update) for field in fields_of(record)}
+
+
+def _property(field: Field, update: Update | None) -> Any:
+    if field.kind == "record":
+        return PointerProperty(
+            type=group_for(field.record, update), name=field.label, description=field.help
+        )
+    options: dict[str, Any] = {
+        "name": field.label,
+        "description": _description(field),
+        "default": field.default,
+    }
+    if update:
+        options["update"] = _unless_quiet(update)
+    match field.kind:
+        case "bool":
+            return BoolProperty(**options)
+        case "enum":
+            return EnumProperty(items=enum_items(field.choices, field.help), **options)
+        case "text" if field.name == "file":
+            return StringProperty(
+                subtype="FILE_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}, **options
+            )
+        case "text":
+            return StringProperty(**options)
+        case "int":
+            return IntProperty(**options, **_bounds(field, "min", "max"))
+    return FloatProperty(**options | _number(field))
+
+
+def _number(field: Field) -> dict[str, Any]:
+    """How a float is shown and held: lengths, angles and times as Blender's own."""
+    match field.unit:
+        case "m":  # bounds are metres and hold in a scene of metres only: soft, the engine checks
+            step = 0.1 if field.default >= 0.05 else 0.01
+            display = {"subtype": "DISTANCE", "unit": "LENGTH", "step": step, "precision": 5}
+            return display | _bounds(field, "soft_min", "soft_max")
+        case "deg":
+            bounds = _bounds(field, "min", "max")
+            radians = {key: math.radians(value) for key, value in bounds.items()}
+            default = math.radians(field.default)
+            return {"subtype": "ANGLE", "unit": "ROTATION", "default": default, **radians}
+        case "s":
+            timed = {"subtype": "TIME_ABSOLUTE", "unit": "TIME_ABSOLUTE"}
+            return timed | _bounds(field, "min", "max")
+    name = f"{field.label} ({field.unit})" if field.unit else field.label
+    span = (field.high or 100.0) - (field.low or 0.0)
+    fine = {"step": 1, "precision": 4} if span <= 10 else {"step": 100, "precision": 2}
+    return {"name": name, **fine, **_bounds(field, "min", "max")}
+
+
+def _bounds(field: Field, low: str, high: str) -> dict[str, Any]:
+    ends = {low: field.low, high: field.high}
+    return {key: value for key, value in ends.items() if value is not None}
+
+
+def _description(field: Field) -> str:
+    """The help, the default and the bounds; Blender adds the full stop."""
+    if field.kind not in ("float", "int"):
+        return field.help
+    unit = f" {field.unit}" if field.unit else ""
+    bounded = field.low is not None or field.high is not None
+    allowed = f"; {bounds_text(field)}" if bounded else ""
+    return f"{field.help}.\nDefault {field.default:g}{unit}{allowed}"
+
+
+def enum_items(choices: Collection[str], help: str = "") -> list[tuple[str, str, str, int]]:
+    """Items whose numbers come from the words: saved files outlive a new or moved choice."""
+    return [(c, _label(c), help, zlib.crc32(c.encode()) & 0x7FFFFFFF) for c in choices]
+
+
+def _label(choice: str) -> str:
+    return _ACRONYMS.get(choice) or choice.replace("_", " ").capitalize()
+
+
+# Between properties and records
+
+
+def read[R](group: Any, record: type[R], scale: float = 1.0) -> R:
+    """The record that a group or operator holds, its floats at the 7 digits that Blender keeps."""
+    return record(**{f.name: _read(f, getattr(group, f.name), scale) for f in fields_of(record)})
+
+
+def _read(field: Field, value: Any, scale: float) -> Any:
+    match field.kind, field.unit:
+        case "record", _:
+            return read(value, field.record, scale)
+        case "float", "m":
+            return canonical(canonical(value) * scale)
+        case "float", "deg":
+            return canonical(math.degrees(value))
+        case "float", _:
+            return canonical(value)
+    return value
+
+
+def write(group: Any, record: Any, scale: float = 1.0) -> None:
+    """Set a group or operator to a record's values; updates are not called."""
+    with _hushed():
+        for field in fields_of(type(record)):
+            _write(group, field, getattr(record, field.name), scale)
+
+
+def write_unset(operator: Any, record: Any, scale: float = 1.0) -> None:
+    """Set those properties of an operator that nobody has set yet."""
+    for field in fields_of(type(record)):
+        if not operator.properties.is_property_set(field.name):
+            _write(operator, field, getattr(record, field.name), scale)
+
+
+def _write(group: Any, field: Field, value: Any, scale: float) -> None:
+    if field.kind == "record":
+        write(getattr(group, field.name), value, scale)
+        return
+    if field.kind == "float" and field.unit == "m":
+        value /= scale
+    elif field.kind == "float" and field.unit == "deg":
+        value = math.radians(value)
+    setattr(group, field.name, value)
+
+
+def _unless_quiet(update: Update) -> Update:
+    def called(group: Any, context: bpy.types.Context) -> None:
+        if not _quiet:
+            update(group, context)
+
+    return called
+
+
+@contextmanager
+def _hushed() -> Iterator[None]:
+    global _quiet
+    _quiet += 1
+    try:
+        yield
+    finally:
+        _quiet -= 1
+
+
+def draw(
+    layout: bpy.types.UILayout, group: Any, record: type, without: Collection[str] = ()
+) -> None:
+    """Draw the fields of a record; those of a nested one in a box below."""
+    column = layout.column()
+    for field in fields_of(record):
+        if field.name in without:
+            continue
+        if field.kind != "record":
+            column.prop(group, field.name)
+            continue
+        box = layout.box()
+        box.label(text=field.label)
+        draw(box, getattr(group, field.name), field.record)
+        column = layout.column()
+
+
+# What Blender's objects and scenes carry
+
+ROLES = (
+    ("NONE", "None", "Heliform does not see it", 0),
+    ("BODY", "Body", "Light meets it: glass, mirror or a matte surface", 1),
+    ("LAMP", "Lamp", "Light leaves it", 2),
+    ("RECEIVER", "Receiver", "Light is gathered on it", 3),
+)
+
+
+def _rebuild(group: Any, context: bpy.types.Context) -> None:
+    from . import objects  # it reads these properties
+
+    objects.rebuild(group.id_data, context.scene)
+
+
+class HELIFORM_PG_object(bpy.types.PropertyGroup):
+    """What an object is to Heliform."""
+
+    role: EnumProperty(name="Role", description="What the object is to light", items=ROLES)
+    on: BoolProperty(name="On", description="Whether Heliform sees the object", default=True)
+    form: StringProperty(
+        name="Form", description="What made the mesh; empty for your own", options={"HIDDEN"}
+    )
+    problem: StringProperty(name="Problem", options={"HIDDEN"})
+    glass_object: PointerProperty(type=group_for(GlassObject, _rebuild))
+    material: PointerProperty(type=group_for(Material))
+    lamp: PointerProperty(type=group_for(Lamp, _rebuild))
+    plane: PointerProperty(type=group_for(Plane, _rebuild))
+
+
+class HELIFORM_PG_scene(bpy.types.PropertyGroup):
+    """Heliform's settings of a scene."""
+
+    photon_tracing: PointerProperty(type=group_for(PhotonTracing))
+    display: PointerProperty(type=group_for(Display))
+    seed: IntProperty(
+        name="Seed", description="The same seed gives the same photons", default=0, min=0
+    )
+    legend: BoolProperty(
+        name="Legend", description="Draw the colour legend in the view", default=True
+    )
+    shown: PointerProperty(
+        type=bpy.types.Image, name="Shown", description="The result whose legend is drawn"
+    )
+
+
+OWNERS = ((bpy.types.Object, HELIFORM_PG_object), (bpy.types.Scene, HELIFORM_PG_scene))
+
+
+def register() -> None:
+    """Add ``heliform`` to objects and scenes."""
+    for group in (*_groups, *(group for _, group in OWNERS)):
+        bpy.utils.register_class(group)
+    for owner, group in OWNERS:
+        owner.heliform = PointerProperty(type=group, name="Heliform")
+
+
+def unregister() -> None:
+    """Take ``heliform`` from objects and scenes again."""
+    for owner, _ in reversed(OWNERS):
+        del owner.heliform
+    for group in reversed((*_groups, *(group for _, group in OWNERS))):
+        bpy.utils.unregister_class(group)

@@ -1,0 +1,275 @@
+"""Study files: one job or experiment, said completely in TOML.
+
+A study names an analysis and holds its parameters, the bodies, lamps and receivers, overrides for a
+quick look, and cases that vary it. Reading checks every key and value; writing gives a folder that
+runs elsewhere.
+"""
+
+import re
+import shutil
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomli_w
+from numpy.typing import NDArray
+
+from .analysis import Analysis, find_analysis, find_form
+from .errors import FileError, ParameterError
+from .files import safe_name, written
+from .meshes import load_mesh, save_mesh
+from .parameters import check_keys, from_table, to_table
+from .scene import Body, Lamp, Luminaire, Material, Plane, Receiver, Scene, plane_receiver
+
+SCHEMA = 1
+KEYS = (
+    *("heliform", "title", "about", "analysis", "seed", "parameters", "display"),
+    *("bodies", "lamps", "receivers", "quick", "cases"),
+)
+PLACE = ("at", "turn", "scale", "matrix")
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One run of a study: a name ("" where the study has no cases) and what is run."""
+
+    name: str
+    analysis: Analysis
+    parameters: Any
+    scene: Scene
+    table: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """A study file, read and checked."""
+
+    name: str
+    title: str
+    about: str
+    seed: int
+    quick: bool
+    cases: tuple[Case, ...]
+
+
+def load_study(
+    path: Path, *, quick: bool = False, seed: int | None = None, settings: Sequence[str] = ()
+) -> Study:
+    """The study in a TOML file, with the overrides of ``quick`` and ``settings`` merged in.
+
+    ``settings`` are lines "section.key=value" in TOML's own notation; a value that is not TOML
+    counts as text. Raises FileError for a missing or damaged file, ParameterError for an unknown
+    key or a value out of bounds.
+    """
+    table = _read(path)
+    if quick:
+        table = merged(table, table.get("quick", {}))
+    for line in settings:
+        table = merged(table, _setting(line))
+    if seed is not None:
+        table["seed"] = seed
+    check_keys(table, KEYS, path.name)
+    schema = table.get("heliform", SCHEMA)
+    if schema != SCHEMA:
+        raise FileError(
+            f"“{path.name}” has format {schema} and this Heliform reads {SCHEMA}; update Heliform."
+        )
+    number = table.get("seed", 0)
+    if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number < 2**31:
+        raise ParameterError(
+            f"[{path.name}] seed = {number!r} is out of bounds; allowed is 0 to 2147483647."
+        )
+    variants = table.get("cases", {}) or {"": {}}
+    return Study(
+        name=path.stem,
+        title=table.get("title", path.stem),
+        about=table.get("about", ""),
+        seed=number,
+        quick=quick,
+        cases=tuple(_case(name, merged(table, v), path) for name, v in variants.items()),
+    )
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise FileError(f"There is no study “{path}”; check its name and folder.") from None
+    except OSError as failed:
+        raise FileError(f"The study “{path}” cannot be read: {failed.strerror}.") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as wrong:
+        raise FileError(f"The study “{path.name}” is not valid TOML: {wrong}.") from None
+
+
+def _setting(line: str) -> dict[str, Any]:
+    key, equals, value = line.partition("=")
+    if not equals or not key.strip():
+        raise ParameterError(f"“{line}” is no setting; write section.key=value.")
+    try:
+        return tomllib.loads(f"{key} = {value}")
+    except tomllib.TOMLDecodeError:
+        pass
+    try:
+        text = value.strip().replace("\\", "\\\\").replace('"', '\\"')
+        return tomllib.loads(f'{key} = "{text}"')
+    except tomllib.TOMLDecodeError:
+        raise ParameterError(f"“{line}” is no setting; write section.key=value.") from None
+
+
+def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """``base`` with the values of ``over`` laid on top, table by table."""
+    result = dict(base)
+    for key, value in over.items():
+        below = result.get(key)
+        both = isinstance(below, Mapping) and isinstance(value, Mapping)
+        result[key] = merged(below, value) if both else value
+    return result
+
+
+def _case(name: str, table: Mapping[str, Any], path: Path) -> Case:
+    if "analysis" not in table:
+        raise ParameterError(
+            f'[{path.name}] has no analysis; add for example analysis = "light.trace".'
+        )
+    analysis = find_analysis(table["analysis"], path.name)
+    parameters = from_table(analysis.record, table.get("parameters", {}), "parameters")
+    scene = Scene(
+        bodies=tuple(_body(n, t, path) for n, t in _tables(table, "bodies")),
+        luminaires=tuple(_luminaire(n, t, path) for n, t in _tables(table, "lamps")),
+        receivers=tuple(_receiver(n, t) for n, t in _tables(table, "receivers")),
+    )
+    return Case(name, analysis, parameters, scene, table)
+
+
+def _tables(table: Mapping[str, Any], section: str) -> list[tuple[str, Mapping[str, Any]]]:
+    """The entries of a section that are switched on."""
+    entries = table.get(section, {})
+    for name, entry in entries.items():
+        if not isinstance(entry, Mapping):
+            raise ParameterError(f"[{section}] {name} should be a table: [{section}.{name}].")
+    return [(name, entry) for name, entry in entries.items() if entry.get("on", True)]
+
+
+def _body(name: str, table: Mapping[str, Any], path: Path) -> Body:
+    where = f"bodies.{name}"
+    check_keys(table, ("form", "shape", "mesh", "unit", "material", "on", *PLACE), where)
+    if "form" in table:
+        form = find_form(table["form"], where)
+        mesh = form.build(from_table(form.record, table.get("shape", {}), f"{where}.shape"))
+    elif "mesh" in table:
+        mesh = load_mesh(path.parent / table["mesh"], table.get("unit", "m"))
+    else:
+        raise ParameterError(f"[{where}] has neither a form nor a mesh; add one of them.")
+    material = from_table(Material, table.get("material", {}), f"{where}.material")
+    return Body(name, mesh.moved(_place(table, where)), material)
+
+
+def _luminaire(name: str, table: Mapping[str, Any], path: Path) -> Luminaire:
+    where = f"lamps.{name}"
+    own = {k: v for k, v in table.items() if k not in (*PLACE, "on")}
+    if own.get("file"):
+        own["file"] = str(path.parent / own["file"])
+    return Luminaire(name, from_table(Lamp, own, where), _place(table, where))
+
+
+def _receiver(name: str, table: Mapping[str, Any]) -> Receiver:
+    where = f"receivers.{name}"
+    own = {k: v for k, v in table.items() if k not in (*PLACE, "on")}
+    return plane_receiver(name, from_table(Plane, own, where), _place(table, where))
+
+
+def _place(table: Mapping[str, Any], where: str) -> NDArray[np.float64]:
+    """The 4×4 matrix of ``matrix``, or of ``at`` (m), ``turn`` (degrees about X, Y, Z), ``scale``."""
+    if "matrix" in table:
+        return _numbers(table, "matrix", (4, 4), np.eye(4), where)
+    at = _numbers(table, "at", (3,), np.zeros(3), where)
+    turn = np.radians(_numbers(table, "turn", (3,), np.zeros(3), where))
+    scale = _numbers(table, "scale", (3,), np.ones(3), where)
+    (cx, cy, cz), (sx, sy, sz) = np.cos(turn), np.sin(turn)
+    about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    about_z = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
+    matrix = np.eye(4)
+    matrix[:3, :3] = about_z @ about_y @ about_x * scale
+    matrix[:3, 3] = at
+    return matrix
+
+
+def _numbers(
+    table: Mapping[str, Any], key: str, shape: tuple[int, ...], default: Any, where: str
+) -> NDArray[np.float64]:
+    try:
+        value = np.asarray(table.get(key, default), dtype=np.float64)
+    except (TypeError, ValueError):
+        value = np.empty(0)
+    if value.shape != shape or not np.isfinite(value).all():
+        size = " × ".join(map(str, shape))
+        raise ParameterError(f"[{where}] {key} = {table[key]!r} should be {size} numbers.")
+    return value
+
+
+def save_study(
+    folder: Path, title: str, scene: Scene, analysis: Analysis, parameters: Any, seed: int
+) -> Path:
+    """Write a scene as a study that runs elsewhere: study.toml, its meshes and IES files.
+
+    Returns the study's path. Raises FileError where the folder cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as failed:
+        raise FileError(
+            f"The folder “{folder}” cannot be made: {failed.strerror}; choose another."
+        ) from None
+    table: dict[str, Any] = {
+        "heliform": SCHEMA,
+        "title": title,
+        "analysis": analysis.name,
+        "seed": seed,
+        "parameters": to_table(parameters),
+    }
+    bodies = {b.name: _saved_body(b, folder, i) for i, b in enumerate(scene.bodies)}
+    lamps = {lamp.name: _saved_lamp(lamp, folder) for lamp in scene.luminaires}
+    receivers = {r.name: _saved_receiver(r) for r in scene.receivers}
+    for key, entries in (("bodies", bodies), ("lamps", lamps), ("receivers", receivers)):
+        if entries:
+            table[key] = entries
+    path = folder / "study.toml"
+    with written(path) as draft:
+        draft.write_text(tomli_w.dumps(table), encoding="utf-8")
+    return path
+
+
+def _saved_body(body: Body, folder: Path, index: int) -> dict[str, Any]:
+    file = f"{index}-{safe_name(body.name)}.npz"
+    save_mesh(folder / file, body.mesh)
+    return {"mesh": file, "material": to_table(body.material)}
+
+
+def _saved_lamp(luminaire: Luminaire, folder: Path) -> dict[str, Any]:
+    table = to_table(luminaire.lamp)
+    if luminaire.lamp.source == "ies" and luminaire.lamp.file:
+        origin = Path(luminaire.lamp.file)
+        table["file"] = safe_name(re.sub(r"\.ies$", "", origin.name, flags=re.I)) + ".ies"
+        try:
+            if origin.resolve() != (folder / table["file"]).resolve():
+                shutil.copyfile(origin, folder / table["file"])
+        except OSError as failed:
+            raise FileError(
+                f"Lamp “{luminaire.name}” needs “{origin}”, which cannot be read: "
+                f"{failed.strerror}; choose another file."
+            ) from None
+    return table | {"matrix": luminaire.pose.tolist()}
+
+
+def _saved_receiver(receiver: Receiver) -> dict[str, Any]:
+    width, length = (float(np.linalg.norm(e)) for e in (receiver.u, receiver.v))
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.column_stack([receiver.u / width, receiver.v / length, receiver.normal])
+    matrix[:3, 3] = receiver.origin + (receiver.u + receiver.v) / 2
+    resolution = max(receiver.columns, receiver.rows)
+    plane = Plane(width=width, length=length, resolution=resolution)
+    return to_table(plane) | {"matrix": matrix.tolist()}

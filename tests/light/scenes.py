@@ -1,0 +1,77 @@
+"""Small scenes whose light is known in closed form."""
+
+import numpy as np
+import trimesh
+from heliform.engines.core.scene import (
+    Body,
+    Lamp,
+    Luminaire,
+    Material,
+    Mesh,
+    Plane,
+    Receiver,
+    Scene,
+    plane_receiver,
+)
+
+GLASS = Material(kind="dielectric", ior=1.5)
+
+
+def at(x=0.0, y=0.0, z=0.0, axis=(0.0, 0.0, -1.0)):
+    """A pose at (x, y, z) whose −Z looks along ``axis``."""
+    back = -np.asarray(axis, float) / np.linalg.norm(axis)
+    side = np.cross([0.0, 1.0, 0.0] if abs(back[1]) < 0.9 else [1.0, 0.0, 0.0], back)
+    side /= np.linalg.norm(side)
+    pose = np.eye(4)
+    pose[:3, :3] = np.column_stack([side, np.cross(back, side), back])
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+def floor(width, resolution, pose=None, length=None) -> Receiver:
+    plane = Plane(width=width, length=length or width, resolution=resolution)
+    return plane_receiver("Floor", plane, np.eye(4) if pose is None else pose)
+
+
+def texel_centres(receiver: Receiver):
+    """World places (rows, columns, 3) of the texels' centres."""
+    s = (np.arange(receiver.columns) + 0.5) / receiver.columns
+    t = (np.arange(receiver.rows) + 0.5) / receiver.rows
+    return receiver.origin + s[None, :, None] * receiver.u + t[:, None, None] * receiver.v
+
+
+def lambertian_point(candela, height) -> Luminaire:
+    lamp = Lamp(source="disk", flux=np.pi * candela, opening="round", width=0.0)
+    return Luminaire("Point", lamp, at(z=height))
+
+
+def beam(lux, width, pose) -> Luminaire:
+    """A round parallel beam of ``lux`` across itself."""
+    lamp = Lamp(source="beam", flux=lux * np.pi * width**2 / 4, opening="round", width=width)
+    return Luminaire("Beam", lamp, pose)
+
+
+def sheet(lux, length, width, pose) -> Luminaire:
+    """A rectangular parallel beam, ``length`` along its X and ``width`` along its Y."""
+    flux = lux * length * width
+    lamp = Lamp(source="beam", flux=flux, opening="rectangular", width=width, length=length)
+    return Luminaire("Sheet", lamp, pose)
+
+
+def box(x, y, z, centre=(0.0, 0.0, 0.0)) -> Mesh:
+    made = trimesh.creation.box((x, y, z))
+    return Mesh(np.asarray(made.vertices) + centre, np.asarray(made.faces, np.int32))
+
+
+def sphere(radius, subdivisions=6) -> Mesh:
+    made = trimesh.creation.icosphere(subdivisions, 1.0)
+    points, faces = np.asarray(made.vertices), np.asarray(made.faces, np.int32)
+    return Mesh(points * radius, faces, points[faces].astype(np.float32))
+
+
+def glass(mesh: Mesh) -> Body:
+    return Body("Glass", mesh, GLASS)
+
+
+def scene(*bodies: Body, lamp: Luminaire, receiver: Receiver) -> Scene:
+    return Scene(bodies, (lamp,), (receiver,))
