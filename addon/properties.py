@@ -65,6 +65,16 @@ def annotations_for(record: type, update: Update | None = None) -> dict[str, Any
     return {field.name: _property(field, update) for field in fields_of(record)}
 
 
+def with_properties[C: type](record: type) -> Callable[[C], C]:
+    """A class decorator: an operator gets a property for each field of a record."""
+
+    def given(cls: C) -> C:
+        cls.__annotations__ = {**cls.__annotations__, **annotations_for(record)}
+        return cls
+
+    return given
+
+
 def _property(field: Field, update: Update | None) -> Any:
     if field.kind == "record":
         return PointerProperty(

@@ -10,7 +10,7 @@ from ...engines.core.errors import SceneError
 from ...engines.core.scene import Mesh
 
 _NORMALS = "custom_normal"
-_CREASE = math.radians(30)
+_CREASE = math.radians(60)
 
 
 def to_blender(mesh: Mesh, target: str | bpy.types.Mesh) -> bpy.types.Mesh:
@@ -69,9 +69,8 @@ def from_blender(evaluated: bpy.types.Object) -> Mesh:
             raise SceneError(
                 f"“{evaluated.name}” has no faces; give it a mesh, or set its role to None."
             )
-        if evaluated.modifiers and _has_free_normals(block):
-            # Free normals do not follow a modifier; smooth shading with creases does.
-            block = block.copy() if False else block
+        if _is_modified(evaluated) and _has_free_normals(block):
+            # Modifiers leave free normals as they were; smooth shading with creases follows them.
             _forget_normals(block)
             block.set_sharp_from_angle(angle=_CREASE)
         return _read(block)
@@ -111,6 +110,10 @@ def _has_faces(block: bpy.types.Mesh, faces: NDArray[np.int32]) -> bool:
     present = np.empty(faces.size, dtype=np.int32)
     block.attributes[".corner_vert"].data.foreach_get("value", present)
     return np.array_equal(present, faces.ravel())
+
+
+def _is_modified(evaluated: bpy.types.Object) -> bool:
+    return any(modifier.show_viewport for modifier in evaluated.modifiers)
 
 
 def _has_free_normals(block: bpy.types.Mesh) -> bool:

@@ -5,8 +5,8 @@ command line, study files, the worker, operators and the explorer find them here
 """
 
 import importlib
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from .errors import ParameterError
@@ -24,11 +24,15 @@ class Run(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """A shape that a study or a panel can ask for: a record and the function that builds it."""
+    """A shape that a study or a panel can ask for: a record and the function that builds it.
+
+    ``presets`` are named records to start from.
+    """
 
     name: str
     record: type
     build: Callable[[Any], Mesh]
+    presets: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -65,7 +65,7 @@ def load(path: Path | str) -> tuple[dict[str, NDArray[np.float32]], dict[str, An
                 name: channel.pixels[::-1].astype(np.float32)
                 for name, channel in file.channels().items()
             }
-    except (RuntimeError, ValueError) as error:
+    except (RuntimeError, ValueError, TypeError) as error:
         raise FileError(
             f"“{path}” is damaged or not an OpenEXR image; make it again or take another copy."
         ) from error

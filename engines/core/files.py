@@ -60,7 +60,7 @@ def safe_name(text: str) -> str:
 
     Letters of every script stay. Where something had to be replaced or cut, six hex digits of
     the original's hash follow, so that names that differ stay different: "a/b" and "a:b" become
-    a_b-c14cdd and a_b-5df4f2. A safe name is its own safe name. Names that differ only in case
+    a_b-c14cdd and a_b-6783a3. A safe name is its own safe name. Names that differ only in case
     are one file on Windows and macOS; that is not cured here.
     """
     name = "".join(map(_safe, unicodedata.normalize("NFC", text))).strip(" .")

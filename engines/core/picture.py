@@ -6,6 +6,7 @@ import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,6 +41,7 @@ _FACES = (
     "Arial.ttf",
     "LiberationSans-Regular.ttf",
 )
+_LAST_FACE = "Aileron"  # the one that Pillow brings, of few characters
 _SMALLEST = 512  # pixels; smaller maps are enlarged
 _FINE = 3  # a section is drawn this much larger and then reduced
 _SECTION = (1200, 640)  # pixels
@@ -128,10 +130,7 @@ def section_png(
     Raises FileError where the file cannot be written.
     """
     along = np.asarray(distance, dtype=float)
-    drawn = [
-        (label, *(None if v is None else np.asarray(v, dtype=float) for v in data))
-        for label, *data in curves
-    ]
+    drawn = [_Drawn.of(*curve) for curve in curves]
     width, height = (_FINE * side for side in _SECTION)
     size = _FINE * 17
     gap = 3 * size // 2
@@ -139,7 +138,7 @@ def section_png(
     draw = ImageDraw.Draw(page, "RGBA")
     heading = _Text([f"{quantity} ({unit})"], size, _INK)
     heading.draw(draw, gap, gap)
-    labels = [label for label, *_ in drawn]
+    labels = [curve.label for curve in drawn]
     key = _draw_key(draw, labels, size, gap, gap + heading.height + size // 3, width - gap)
 
     x_axis, y_axis = Axis(along[0], along[-1], False), _value_axis(drawn, log)
@@ -155,16 +154,32 @@ def section_png(
     )
     _draw_grid(draw, frame, size)
     _Text(["Distance (m)"], size, _INK).draw(draw, frame.right, height - gap - size, anchor="ra")
-    for index, (_, _, lower, upper) in enumerate(drawn):
-        if lower is not None and upper is not None:
-            for run in _runs(lower, upper):
-                edge = frame.points(along[run], lower[run])
-                edge += frame.points(along[run], upper[run])[::-1]
-                draw.polygon(edge, (*_colour(index), _BAND_OPACITY))
-    for index, (_, values, _, _) in enumerate(drawn):
-        for run in _runs(values):
-            draw.line(frame.points(along[run], values[run]), _colour(index), 2 * _FINE, "curve")
+    for index, curve in enumerate(drawn):
+        for run in _runs(*curve.band):
+            lower, upper = (frame.points(along[run], end[run]) for end in curve.band)
+            draw.polygon(lower + upper[::-1], (*_colour(index), _BAND_OPACITY))
+    for index, curve in enumerate(drawn):
+        for run in _runs(curve.values):
+            points = frame.points(along[run], curve.values[run])
+            draw.line(points, _colour(index), 2 * _FINE, "curve")
     _save(page.reduce(_FINE), path)
+
+
+@dataclass(frozen=True, slots=True)
+class _Drawn:
+    """A curve in arrays (N,), its ``band`` the lower and upper end of the interval or empty."""
+
+    label: str
+    values: NDArray[np.float64]
+    band: tuple[NDArray[np.float64], ...]
+
+    @classmethod
+    def of(
+        cls, label: str, values: ArrayLike, lower: ArrayLike | None, upper: ArrayLike | None
+    ) -> "_Drawn":
+        ends = () if lower is None or upper is None else (lower, upper)
+        band = tuple(np.asarray(end, dtype=float) for end in ends)
+        return cls(label, np.asarray(values, dtype=float), band)
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,19 +201,19 @@ class _Frame:
 
     def points(self, along: ArrayLike, values: ArrayLike) -> list[tuple[float, float]]:
         across, up = self.x_axis.position(along), self.y_axis.position(values)
-        return list(zip(self.x(across).tolist(), self.y(up).tolist(), strict=True))
+        return [(self.x(u), self.y(v)) for u, v in zip(across.tolist(), up.tolist(), strict=True)]
 
 
-def _value_axis(drawn: Sequence[tuple], log: bool) -> Axis:
-    """The range that holds every value, and intervals but for what of them is below zero alone."""
-    data = np.concatenate([np.ravel(v) for _, *parts in drawn for v in parts if v is not None])
+def _value_axis(drawn: Sequence[_Drawn], log: bool) -> Axis:
+    """The range of every value and interval; an interval alone does not take it below zero."""
+    data = np.concatenate([part for curve in drawn for part in (curve.values, *curve.band)])
     data = data[np.isfinite(data) & ((data > 0) | (not log))]
     high = data.max(initial=0.0)
     if log:
         high = high or 1.0
         low = max(data.min(initial=high), high / 10**_PLOTTED_DECADES)
         return Axis(low / 1.2, high * 1.2, True)
-    low = min(np.nanmin(values, initial=0.0) for _, values, *_ in drawn)
+    low = min(c.values[np.isfinite(c.values)].min(initial=0.0) for c in drawn)
     if low == high:
         return Axis(0.0, 1.0, False)
     room = 0.05 * (high - low)
@@ -206,7 +221,7 @@ def _value_axis(drawn: Sequence[tuple], log: bool) -> Axis:
 
 
 def _draw_grid(draw: ImageDraw.ImageDraw, frame: _Frame, size: int) -> None:
-    """Grid lines with their labels, and the two axes."""
+    """Grid lines with their labels, and the foot of the plot."""
     font = _font(size)
     for position, text in frame.y_axis.ticks():
         y = frame.y(position)
@@ -242,7 +257,7 @@ def _colour(index: int) -> Colour:
 
 def _runs(*arrays: NDArray[np.float64]) -> Iterator[slice]:
     """The stretches over which every array is a number."""
-    whole = np.isfinite(arrays).all(axis=0)
+    whole = np.isfinite(arrays).all(axis=0) if arrays else np.zeros(0, dtype=bool)
     ends = np.flatnonzero(np.diff(whole, prepend=False, append=False))
     yield from (slice(first, last) for first, last in ends.reshape(-1, 2).tolist())
 
@@ -288,12 +303,12 @@ def _font(size: int) -> ImageFont.FreeTypeFont:
             return ImageFont.truetype(face, size)
         except OSError:
             continue
-    return ImageFont.load_default(size)
+    return cast(ImageFont.FreeTypeFont, ImageFont.load_default(size))
 
 
 def _drawable(text: str) -> str:
     """``text``, or what of it Pillow's own face can draw: m² → m2, ä → a, − → -, 漢 → ?."""
-    if _font(12).getname()[0] != ImageFont.load_default(12).getname()[0]:
+    if _font(12).getname()[0] != _LAST_FACE:
         return text
     parts = unicodedata.normalize("NFKD", text.translate({ord("−"): "-", ord("–"): "-"}))
     letters = (c for c in parts if not unicodedata.combining(c))

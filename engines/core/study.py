@@ -22,7 +22,17 @@ from .errors import FileError, ParameterError
 from .files import safe_name, written
 from .meshes import load_mesh, save_mesh
 from .parameters import check_keys, from_table, to_table
-from .scene import Body, Lamp, Luminaire, Material, Plane, Receiver, Scene, plane_receiver
+from .scene import (
+    Body,
+    Lamp,
+    Luminaire,
+    Material,
+    Mesh,
+    Plane,
+    Receiver,
+    Scene,
+    plane_receiver,
+)
 
 SCHEMA = 1
 KEYS = (
@@ -155,16 +165,29 @@ def _tables(table: Mapping[str, Any], section: str) -> list[tuple[str, Mapping[s
 
 def _body(name: str, table: Mapping[str, Any], path: Path) -> Body:
     where = f"bodies.{name}"
-    check_keys(table, ("form", "shape", "mesh", "unit", "material", "on", *PLACE), where)
+    keys = ("form", "preset", "shape", "mesh", "unit", "material", "on")
+    check_keys(table, (*keys, *PLACE), where)
     if "form" in table:
-        form = find_form(table["form"], where)
-        mesh = form.build(from_table(form.record, table.get("shape", {}), f"{where}.shape"))
+        mesh = _formed(table, where)
     elif "mesh" in table:
         mesh = load_mesh(path.parent / table["mesh"], table.get("unit", "m"))
     else:
         raise ParameterError(f"[{where}] has neither a form nor a mesh; add one of them.")
     material = from_table(Material, table.get("material", {}), f"{where}.material")
     return Body(name, mesh.moved(_place(table, where)), material)
+
+
+def _formed(table: Mapping[str, Any], where: str) -> Mesh:
+    """The mesh of a form, its shape laid over a preset where one is named."""
+    form = find_form(table["form"], where)
+    shape = table.get("shape", {})
+    preset = table.get("preset")
+    if preset is not None:
+        if preset not in form.presets:
+            known = ", ".join(form.presets)
+            raise ParameterError(f"[{where}] preset = {preset!r} is not a choice; take one of {known}.")
+        shape = merged(to_table(form.presets[preset]), shape)
+    return form.build(from_table(form.record, shape, f"{where}.shape"))
 
 
 def _luminaire(name: str, table: Mapping[str, Any], path: Path) -> Luminaire:

@@ -77,8 +77,9 @@ def _array(cells: tuple[str, ...]) -> NDArray[Any]:
 
 def _said(value: Any) -> str:
     """Text as it stands where it reads back as itself, anything else as JSON."""
-    plain = isinstance(value, str) and value.isprintable() and value == value.strip()
-    return value if plain and _heard(value) == value else json.dumps(value, ensure_ascii=False)
+    if isinstance(value, str) and value.strip() == value != "" and value.isprintable():
+        return value if _heard(value) == value else json.dumps(value, ensure_ascii=False)
+    return json.dumps(value, ensure_ascii=False)
 
 
 def _heard(text: str) -> Any:

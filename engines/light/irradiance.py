@@ -1,7 +1,5 @@
 """The result of a photon tracing: maps on a receiver, their interval, and where the flux went."""
 
-import dataclasses
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import exr
+from ..core.colour import Display
 
 Map = NDArray[np.float32]
 MAPS = ("illuminance", "direct", "caustic", "indirect", "half_width", "lower", "upper")
@@ -66,6 +65,12 @@ class IrradianceMap:
         """Write ``irradiance.exr`` into ``folder``; returns the names of the files written."""
         exr.save(folder / "irradiance.exr", {name: getattr(self, name) for name in MAPS}, self.meta)
         return ["irradiance.exr"]
+
+    def draw(self, folder: Path, display: Display) -> list[str]:
+        """Write pictures and the section along u into ``folder``; returns their names."""
+        from .drawing import draw
+
+        return draw(self, folder, display)
 
     @classmethod
     def load(cls, folder: Path) -> "IrradianceMap":

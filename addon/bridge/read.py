@@ -1,0 +1,116 @@
+"""The Blender scene as the engines' scene: metres, with everything evaluated."""
+
+from dataclasses import replace
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...engines.core.errors import SceneError
+from ...engines.core.scene import Body, Lamp, Luminaire, Material, Mesh, Plane, Receiver, Scene
+from ...engines.light.shape import placed_lamp, rectangle_receiver
+from ..properties import read, scale_of
+from .meshes import from_blender
+
+_SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+
+
+def read_scene(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Scene:
+    """The bodies, lamps and receivers that are on and visible, in the order of their names.
+
+    Raises SceneError or FileError, naming the object, where one cannot be what it is said to be.
+    """
+    scale = scale_of(scene)
+    bodies = [_body(o, depsgraph, scale) for o in objects_of(depsgraph.view_layer, "BODY")]
+    lamps = [read_lamp(o, depsgraph, scale) for o in objects_of(depsgraph.view_layer, "LAMP")]
+    receivers = [
+        read_receiver(o, depsgraph, scale) for o in objects_of(depsgraph.view_layer, "RECEIVER")
+    ]
+    return Scene(tuple(bodies), tuple(lamps), tuple(receivers))
+
+
+def objects_of(layer: bpy.types.ViewLayer, role: str) -> list[bpy.types.Object]:
+    """The objects of a role that Heliform sees: on, and visible in the view layer."""
+    found = [
+        o
+        for o in layer.objects
+        if o.heliform.role == role and o.heliform.on and o.visible_get(view_layer=layer)
+    ]
+    return sorted(found, key=lambda o: o.name)
+
+
+def read_mesh(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scale: float = 1.0
+) -> Mesh:
+    """An object's evaluated mesh in the world, in metres. Raises SceneError without faces."""
+    return from_blender(obj.evaluated_get(depsgraph)).moved(_matrix(obj, depsgraph, scale, scale))
+
+
+def read_lamp(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scale: float = 1.0
+) -> Luminaire:
+    """A lamp in the world, in metres."""
+    return placed_lamp(obj.name, lamp_record(obj, scale), _matrix(obj, depsgraph, 1.0, scale))
+
+
+def lamp_record(obj: bpy.types.Object, scale: float = 1.0) -> Lamp:
+    """The lamp that an object holds, its file as an absolute path."""
+    lamp = read(obj.heliform.lamp, Lamp, scale)
+    if not lamp.file:
+        return lamp
+    return replace(lamp, file=bpy.path.abspath(lamp.file, library=obj.library))
+
+
+def read_receiver(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scale: float = 1.0
+) -> Receiver:
+    """The rectangle that a receiver's mesh is, in the world, in metres."""
+    evaluated = obj.evaluated_get(depsgraph)
+    block = evaluated.to_mesh()
+    try:
+        if block is None or not block.polygons:
+            raise SceneError(f"Receiver “{obj.name}” has no faces; use a plane, or Add Receiver.")
+        places = np.empty((len(block.vertices), 3), dtype=np.float32)
+        block.vertices.foreach_get("co", places.ravel())
+        index = np.empty(len(block.loops), dtype=np.int32)
+        block.loops.foreach_get("vertex_index", index)
+        corners = places[index].astype(np.float64)
+        texture = _texture(obj.name, block)
+        normals = np.empty((len(block.polygons), 3), dtype=np.float32)
+        block.polygons.foreach_get("normal", normals.ravel())
+    finally:
+        evaluated.to_mesh_clear()
+    matrix = _matrix(obj, depsgraph, scale, scale)
+    resolution = read(obj.heliform.plane, Plane).resolution
+    linear = matrix[:3, :3]
+    normal = normals.mean(axis=0) @ np.linalg.inv(linear)
+    return rectangle_receiver(
+        obj.name, corners @ linear.T + matrix[:3, 3], texture, normal, resolution
+    )
+
+
+def _texture(name: str, block: bpy.types.Mesh) -> NDArray[np.float64]:
+    layer = block.uv_layers.active
+    if layer is None:
+        if len(block.loops) != 4:
+            raise SceneError(
+                f"Receiver “{name}” has no UV map; add one with UV › Reset in Edit Mode."
+            )
+        return np.array(_SQUARE)
+    texture = np.empty((len(block.loops), 2), dtype=np.float32)
+    layer.uv.foreach_get("vector", texture.ravel())
+    return texture.astype(np.float64)
+
+
+def _body(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scale: float) -> Body:
+    return Body(obj.name, read_mesh(obj, depsgraph, scale), read(obj.heliform.material, Material))
+
+
+def _matrix(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, size: float, distance: float
+) -> NDArray[np.float64]:
+    """The evaluated world matrix; ``size`` scales its axes, ``distance`` its place."""
+    matrix = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+    matrix[:3, :3] *= size
+    matrix[:3, 3] *= distance
+    return matrix

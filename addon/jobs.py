@@ -1,0 +1,344 @@
+"""Analyses as jobs of one warm worker process, for the window and for scripts.
+
+In the window `begin` returns at once and a timer follows the job; elsewhere `run` waits for it.
+Either way the scene is written as a study, the worker runs it, and the result is staged here.
+"""
+
+import functools
+import itertools
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ..engines.core.analysis import Analysis
+from ..engines.core.client import Ended, Job, Progressed, Worker
+from ..engines.core.colour import Display
+from ..engines.core.errors import Cancelled, HeliformError, SceneError, WorkerDied
+from ..engines.core.files import safe_name
+from ..engines.core.scene import Scene
+from ..engines.core.study import save_study
+from .bridge import stage
+from .bridge.read import read_scene
+from .preferences import results_folder
+from .properties import read, scale_of
+
+PERIOD = 0.1
+"""Seconds between two looks at what the worker said."""
+
+
+@dataclass(slots=True)
+class State:
+    """What the panel shows of the job that runs, or of how the last one ended."""
+
+    running: bool = False
+    label: str = ""
+    fraction: float = 0.0
+    text: str = ""
+    message: str = ""
+    started: float = 0.0
+    cancelling: bool = False
+
+    @property
+    def elapsed(self) -> float:
+        """Seconds since the job began."""
+        return time.monotonic() - self.started
+
+
+@dataclass(slots=True)
+class _Task:
+    """A job and what is to become of its result: uids, for names and pointers may change."""
+
+    analysis: Analysis
+    label: str
+    folder: Path
+    out: Path
+    scene: int
+    receiver: int
+    receiver_name: str
+    job: Job | None = None
+    forgotten: bool = False
+
+
+state = State()
+_worker: Worker | None = None
+_tasks: dict[int, _Task] = {}
+
+
+# What operators call
+
+
+def begin(context: bpy.types.Context, analysis: Analysis, label: str) -> None:
+    """Start a job on the context's scene and follow it while the window stays alive.
+
+    Raises HeliformError where the scene cannot be read or the worker not be started.
+    """
+    _submit(_prepare(context, analysis, label))
+    if not bpy.app.timers.is_registered(_follow):
+        bpy.app.timers.register(_follow, first_interval=PERIOD, persistent=True)
+    _redraw()
+
+
+def run(context: bpy.types.Context, analysis: Analysis, label: str) -> None:
+    """Run a job to its end and stage the result.
+
+    Raises HeliformError as the engine does, Cancelled where it was cancelled.
+    """
+    task = _prepare(context, analysis, label)
+    job = _submit(task)
+    try:
+        ended = worker().wait(job, _progressed)
+    except KeyboardInterrupt:
+        worker().cancel(job)
+        ended = worker().wait(job)
+    finally:
+        del _tasks[job.id]
+        state.running = False
+        shutil.rmtree(task.folder, ignore_errors=True)
+    _conclude(task, ended)
+
+
+def cancel() -> None:
+    """Ask the running job to stop."""
+    for task in _tasks.values():
+        if task.job and _worker:
+            state.cancelling = True
+            _worker.cancel(task.job)
+
+
+def worker() -> Worker:
+    """The session's worker. Raises WorkerDied where there is no Python to run it."""
+    global _worker
+    if _worker is None:
+        _worker = new_worker()
+    return _worker
+
+
+def new_worker() -> Worker:
+    """A worker that runs in this Blender's kind of Python, with its packages."""
+    return Worker(interpreter())
+
+
+@functools.cache
+def interpreter() -> str:
+    """A Python of the version that Blender runs. Raises WorkerDied where there is none."""
+    version = f"{sys.version_info.major}.{sys.version_info.minor}"
+    beside = [Path(sys.prefix, *place) for place in (("bin", f"python{version}"), ("python.exe",))]
+    for path in (sys.executable, *map(str, beside), shutil.which(f"python{version}") or ""):
+        if path and _version(path) == version:
+            return path
+    raise WorkerDied(
+        f"There is no Python {version} beside this Blender to compute with; install it, or take "
+        "Blender from blender.org, which brings its own."
+    )
+
+
+def _version(path: str) -> str:
+    ask = "import sys; print('%d.%d' % sys.version_info[:2])"
+    try:
+        said = subprocess.run([path, "-I", "-c", ask], capture_output=True, text=True, timeout=20)
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return said.stdout.strip()
+
+
+# From the scene to a result folder
+
+
+def _prepare(context: bpy.types.Context, analysis: Analysis, label: str) -> _Task:
+    """Write the scene as a study, and say where its result belongs."""
+    scene = context.scene
+    given = read_scene(scene, context.evaluated_depsgraph_get())
+    receiver = _receiver(context, given)
+    folder = Path(tempfile.mkdtemp(prefix="job-", dir=bpy.app.tempdir))
+    try:
+        export(scene, given, analysis, folder)
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+    return _Task(
+        analysis=analysis,
+        label=label,
+        folder=folder,
+        out=_new_folder(receiver.name),
+        scene=scene.session_uid,
+        receiver=receiver.session_uid,
+        receiver_name=receiver.name,
+    )
+
+
+def export(scene: bpy.types.Scene, given: Scene, analysis: Analysis, folder: Path) -> Path:
+    """Write a scene that was read as a study of ``analysis``. Raises FileError."""
+    title = Path(bpy.data.filepath).stem or scene.name
+    return save_study(
+        folder, title, given, analysis, parameters(scene, analysis), scene.heliform.seed
+    )
+
+
+def parameters(scene: bpy.types.Scene, analysis: Analysis) -> Any:
+    """The analysis's record as the scene holds it: PhotonTracing in ``photon_tracing``."""
+    name = re.sub(r"(?<!^)(?=[A-Z])", "_", analysis.record.__name__).lower()
+    return read(getattr(scene.heliform, name), analysis.record, scale_of(scene))
+
+
+def _receiver(context: bpy.types.Context, given: Scene) -> bpy.types.Object:
+    if not given.receivers:
+        raise SceneError("There is no receiver to trace onto; add one with Add Receiver.")
+    return context.scene.objects[given.receivers[0].name]
+
+
+def _new_folder(name: str) -> Path:
+    stamp = f"{safe_name(name)} {time.strftime('%Y-%m-%d %H.%M.%S')}"
+    names = itertools.chain([stamp], (f"{stamp} {n}" for n in itertools.count(2)))
+    return next(path for n in names if not (path := results_folder() / n).exists())
+
+
+def _submit(task: _Task) -> Job:
+    global state
+    task.job = worker().submit(task.folder / "study.toml", task.out)
+    _tasks[task.job.id] = task
+    state = State(running=True, label=task.label, text="Starting", started=time.monotonic())
+    return task.job
+
+
+# From the worker's words to the scene
+
+
+def _follow() -> float | None:
+    """Called by Blender's timer: take in what happened, end when there is nothing to follow."""
+    for event in worker().poll():
+        task = _tasks.get(event.job.id)
+        if task is None:
+            continue
+        if isinstance(event, Ended):
+            del _tasks[event.job.id]
+            _finish(task, event)
+        elif not task.forgotten:
+            _progressed(event)
+    if state.running:
+        _redraw()
+    return PERIOD if _tasks else None
+
+
+def _progressed(event: Progressed) -> None:
+    state.fraction, state.text = event.fraction, event.text
+
+
+def _finish(task: _Task, ended: Ended) -> None:
+    """End a job of the window: its result becomes an undo step, its trouble a sentence."""
+    shutil.rmtree(task.folder, ignore_errors=True)
+    if task.forgotten:
+        return
+    state.running = False
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, screen=window.screen):
+        try:
+            first = _conclude(task, ended)
+            if first:
+                stage.show_in_views(bpy.context)
+            bpy.ops.ed.undo_push(message=task.label)
+        except Cancelled:
+            state.message = ""
+        except HeliformError as error:
+            state.message = str(error)
+            _popup(task.label, str(error))
+        finally:
+            _redraw()
+
+
+def _conclude(task: _Task, ended: Ended) -> bool:
+    """Stage what a job gave; whether it is the scene's first result.
+
+    Raises HeliformError for what went wrong, and Cancelled.
+    """
+    match ended.outcome:
+        case "cancelled":
+            raise Cancelled
+        case "error":
+            raise HeliformError(ended.text)
+        case "died":
+            print(ended.text, file=sys.stderr)
+            raise WorkerDied(ended.text.splitlines()[0])
+        case "bug":
+            print(ended.text, file=sys.stderr)
+            last = ended.text.strip().splitlines()[-1]
+            raise HeliformError(f"Heliform has a bug; report it with the console's text: {last}")
+    result = task.analysis.shows.load(ended.out)
+    result.meta["folder"] = str(ended.out)
+    scene = _by_uid(bpy.data.scenes, task.scene)
+    receiver = _by_uid(bpy.data.objects, task.receiver)
+    if scene is None or receiver is None:
+        raise SceneError(
+            f"“{task.receiver_name}” was deleted while the light was traced; the result lies in "
+            f"“{ended.out}”."
+        )
+    first = scene.heliform.shown is None
+    display = read(scene.heliform.display, Display)
+    scene.heliform.shown = stage.stage_irradiance(receiver, result, display)
+    return first
+
+
+def _by_uid(collection: Any, uid: int) -> Any:
+    return next((block for block in collection if block.session_uid == uid), None)
+
+
+# The window
+
+
+def _redraw() -> None:
+    """Show the state: in the sidebars and the status bar, the 3D view itself is costly."""
+    percent = f"{state.label} {100 * state.fraction:.0f} %: {state.text}"
+    for window in bpy.context.window_manager.windows:
+        window.workspace.status_text_set(percent if state.running else None)
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                for region in area.regions:
+                    if region.type == "UI" or not state.running:
+                        region.tag_redraw()
+
+
+def _popup(title: str, sentence: str) -> None:
+    def draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+        menu.layout.label(text=sentence)
+
+    bpy.context.window_manager.popup_menu(draw, title=title, icon="ERROR")
+
+
+@bpy.app.handlers.persistent
+def _forget(*_: object) -> None:
+    """Another file is loaded: what runs is cancelled, and its result belongs nowhere."""
+    global state
+    if _tasks:
+        cancel()
+        for task in _tasks.values():
+            task.forgotten = True
+    state = State()
+    _redraw()
+
+
+def register() -> None:
+    """Follow the loading of files."""
+    bpy.app.handlers.load_pre.append(_forget)
+
+
+def unregister() -> None:
+    """End the worker and what it does."""
+    global _worker, state
+    bpy.app.handlers.load_pre.remove(_forget)
+    if bpy.app.timers.is_registered(_follow):
+        bpy.app.timers.unregister(_follow)
+    if _worker:
+        _worker.stop()
+        _worker = None
+    for task in _tasks.values():
+        shutil.rmtree(task.folder, ignore_errors=True)
+    _tasks.clear()
+    state = State()
+    _redraw()

@@ -1,0 +1,193 @@
+"""Heliform's objects in Blender: made, and rebuilt when their properties change."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import bpy
+
+from ..engines.core.errors import HeliformError, ParameterError, SceneError
+from ..engines.core.scene import Lamp, Luminaire, Material, Mesh, Plane
+from ..engines.glass import GlassObject, glass_object
+from ..engines.light.luminaires import source
+from ..engines.light.shape import lamp_outline, plane_mesh
+from .bridge.meshes import lines_to_blender, to_blender
+from .bridge.read import lamp_record, read_receiver
+from .properties import read, scale_of, write
+
+GLASS = "glass.object"
+PLANE = "plane"
+"""What a form says of a mesh that Heliform makes."""
+
+_LAMP_HEIGHT = 0.22
+_GAP = 1e-3
+_GLASS_COLOUR = (0.72, 0.88, 0.95, 0.45)
+
+
+def add_glass(context: bpy.types.Context, record: GlassObject, name: str) -> bpy.types.Object:
+    """A printed vessel that stands at the 3D cursor. Raises ParameterError; adds nothing then."""
+    scale = scale_of(context.scene)
+    block = to_blender(_resized(glass_object(record), 1 / scale), name)
+    block.materials.append(_glass_material())
+    obj = _added(context, name, block, "BODY", GLASS)
+    write(obj.heliform.glass_object, record, scale)
+    return obj
+
+
+def add_lamp(context: bpy.types.Context, record: Lamp, name: str) -> bpy.types.Object:
+    """A lamp 22 cm above the 3D cursor, shining down."""
+    obj = _added(context, name, bpy.data.meshes.new(name), "LAMP", "")
+    obj.location.z += _LAMP_HEIGHT / scale_of(context.scene)
+    obj.hide_render = True
+    obj.show_in_front = True
+    write(obj.heliform.lamp, record, scale_of(context.scene))
+    rebuild(obj, context.scene)
+    return obj
+
+
+def add_receiver(context: bpy.types.Context, record: Plane, name: str) -> bpy.types.Object:
+    """A receiver 1 mm below the 3D cursor, so that glass standing there does not touch it."""
+    obj = _added(context, name, bpy.data.meshes.new(name), "RECEIVER", PLANE)
+    obj.location.z -= _GAP / scale_of(context.scene)
+    write(obj.heliform.plane, record, scale_of(context.scene))
+    rebuild(obj, context.scene)
+    return obj
+
+
+def add_demo(context: bpy.types.Context, glass: GlassObject) -> None:
+    """A glass object 1 mm above a receiver, and a lamp 22 cm over the receiver."""
+    receiver = add_receiver(context, Plane(), "Receiver")
+    lamp = add_lamp(context, Lamp(), "Lamp")
+    lamp.location.z = receiver.location.z + _LAMP_HEIGHT / scale_of(context.scene)
+    add_glass(context, glass, "Tube")
+
+
+def rebuild(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
+    """Make an object's mesh anew from its properties.
+
+    Where they cannot be, the mesh stays as it was and ``obj.heliform.problem`` says why. The user's
+    own meshes stay as they are.
+    """
+    own = obj.heliform
+    made = {("BODY", GLASS): _glass, ("RECEIVER", PLANE): _plane, ("LAMP", ""): _lamp}
+    build = made.get((own.role, own.form))
+    if build is None:
+        return
+    try:
+        if obj.mode != "OBJECT":
+            raise ParameterError(f"“{obj.name}” is being edited; leave Edit Mode to change it.")
+        if obj.data.users > 1:
+            obj.data = obj.data.copy()
+        build(obj, scale_of(scene))
+        problem = ""
+    except HeliformError as error:
+        problem = str(error)
+    if own.problem != problem:
+        own.problem = problem
+
+
+def set_glass(obj: bpy.types.Object, record: GlassObject, scene: bpy.types.Scene) -> None:
+    """Give a glass object other properties, all at once, and rebuild it."""
+    write(obj.heliform.glass_object, record, scale_of(scene))
+    rebuild(obj, scene)
+
+
+def mark(obj: bpy.types.Object, role: str, material: Material) -> None:
+    """Say what a mesh object is to light: a body of ``material``, a receiver, or nothing."""
+    obj.heliform.role = role
+    obj.heliform.problem = ""
+    if role == "BODY":
+        write(obj.heliform.material, material)
+
+
+def require_receivers(
+    chosen: Iterable[bpy.types.Object], depsgraph: bpy.types.Depsgraph
+) -> None:
+    """Raise SceneError for the first object that cannot be a receiver, and unmark all of those."""
+    problems = []
+    for obj in chosen:
+        try:
+            read_receiver(obj, depsgraph)
+        except SceneError as error:
+            obj.heliform.role = "NONE"
+            problems.append(error)
+    if problems:
+        raise problems[0]
+
+
+def lamp_hides(group: Any) -> set[str]:
+    """The fields of a Lamp that say nothing for the source that a group or operator holds."""
+    if group.source == "point":
+        return {"file", "opening", "width", "length"}
+    hidden = set() if group.source == "ies" else {"file"}
+    if group.source == "ies" and group.opening == "file":
+        return hidden | {"width", "length"}
+    return hidden if group.opening == "rectangular" else hidden | {"length"}
+
+
+def select_only(context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    """Select an object alone and make it active."""
+    for other in context.selected_objects:
+        other.select_set(False)
+    obj.select_set(True)
+    context.view_layer.objects.active = obj
+
+
+def replace_mesh(obj: bpy.types.Object, mesh: Mesh) -> None:
+    """Make ``mesh`` the object's own, in Blender units; modifiers and shape keys go."""
+    obj.modifiers.clear()
+    obj.shape_key_clear()
+    if obj.data.users > 1:
+        obj.data = obj.data.copy()
+    obj.heliform.form = ""
+    to_blender(mesh, obj.data)
+
+
+def _glass(obj: bpy.types.Object, scale: float) -> None:
+    mesh = glass_object(read(obj.heliform.glass_object, GlassObject, scale))
+    to_blender(_resized(mesh, 1 / scale), obj.data)
+
+
+def _plane(obj: bpy.types.Object, scale: float) -> None:
+    mesh, texture = plane_mesh(read(obj.heliform.plane, Plane, scale))
+    to_blender(_resized(mesh, 1 / scale), obj.data)
+    layer = obj.data.uv_layers.active or obj.data.uv_layers.new(name="UVMap")
+    layer.uv.foreach_set("vector", texture.ravel())
+
+
+def _lamp(obj: bpy.types.Object, scale: float) -> None:
+    luminaire = Luminaire(obj.name, lamp_record(obj, scale))
+    points, edges = lamp_outline(luminaire)
+    lines_to_blender(points / scale, edges, obj.data)
+    source(luminaire)  # says what else keeps it from shining
+
+
+def _resized(mesh: Mesh, factor: float) -> Mesh:
+    return mesh if factor == 1 else Mesh(mesh.vertices * factor, mesh.faces, mesh.normals)
+
+
+def _added(
+    context: bpy.types.Context, name: str, block: bpy.types.Mesh, role: str, form: str
+) -> bpy.types.Object:
+    """A new object at the 3D cursor, selected and active."""
+    obj = bpy.data.objects.new(name, block)
+    obj.location = context.scene.cursor.location
+    obj.heliform.role = role
+    obj.heliform.form = form
+    context.collection.objects.link(obj)
+    select_only(context, obj)
+    return obj
+
+
+def _glass_material() -> bpy.types.Material:
+    """A clear material for the viewport; light is traced with the object's own settings."""
+    name = "Heliform Glass"
+    if name in bpy.data.materials:
+        return bpy.data.materials[name]
+    material = bpy.data.materials.new(name)
+    material.diffuse_color = _GLASS_COLOUR
+    material.metallic, material.roughness = 0.0, 0.1
+    shader = next(n for n in material.node_tree.nodes if n.type == "BSDF_PRINCIPLED")
+    shader.inputs["Transmission Weight"].default_value = 1.0
+    shader.inputs["Roughness"].default_value = 0.0
+    shader.inputs["IOR"].default_value = 1.5
+    return material

@@ -1,0 +1,178 @@
+"""The scene: adding lamps and receivers, saying what a mesh is, the demo."""
+
+from dataclasses import replace
+
+import bpy
+from bpy.props import EnumProperty, StringProperty
+from bpy.types import Context, Object, Operator
+
+from ..addon import objects
+from ..addon.properties import (
+    ROLES,
+    draw,
+    enum_items,
+    read,
+    scale_of,
+    with_properties,
+    write_unset,
+)
+from ..engines.core.errors import SceneError
+from ..engines.core.parameters import fields_of
+from ..engines.core.scene import Lamp, Material, Plane
+from ..engines.glass import TABLE_1
+from . import Reporting, in_object_mode
+
+_FLUX = 500.0
+"""Luminous flux in lm that a lamp without a photometric file starts with."""
+
+_KINDS = next(field for field in fields_of(Material) if field.name == "kind")
+
+
+@with_properties(Lamp)
+class HELIFORM_OT_add_lamp(Reporting, Operator):
+    """Add a lamp 22 cm above the 3D cursor, shining down"""
+
+    bl_idname = "heliform.add_lamp"
+    bl_label = "Add Lamp"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only in Object Mode."""
+        return in_object_mode(context)
+
+    def act(self, context: Context) -> None:
+        """Add the lamp; what keeps it from shining is shown in the panel."""
+        scale = scale_of(context.scene)
+        flux = 0.0 if self.source == "ies" else _FLUX
+        write_unset(self, replace(Lamp(), source=self.source, flux=flux), scale)
+        objects.add_lamp(context, read(self, Lamp, scale), "Lamp")
+
+    def draw(self, context: Context) -> None:
+        """What the source needs."""
+        self.layout.use_property_split = True
+        draw(self.layout, self, Lamp, objects.lamp_hides(self))
+
+
+@with_properties(Plane)
+class HELIFORM_OT_add_receiver(Reporting, Operator):
+    """Add a plane that gathers light, 1 mm below the 3D cursor so that glass does not touch it"""
+
+    bl_idname = "heliform.add_receiver"
+    bl_label = "Add Receiver"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only in Object Mode."""
+        return in_object_mode(context)
+
+    def act(self, context: Context) -> None:
+        """Add the receiver."""
+        scale = scale_of(context.scene)
+        write_unset(self, Plane(), scale)
+        objects.add_receiver(context, read(self, Plane, scale), "Receiver")
+
+    def draw(self, context: Context) -> None:
+        """The plane's values."""
+        self.layout.use_property_split = True
+        draw(self.layout, self, Plane)
+
+
+class HELIFORM_OT_mark_as(Reporting, Operator):
+    """Say what the selected meshes are to light"""
+
+    bl_idname = "heliform.mark_as"
+    bl_label = "Mark As"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+
+    role: EnumProperty(
+        name="Role",
+        description="What the selected meshes are to light",
+        items=[item for item in ROLES if item[0] != "LAMP"],
+        default="BODY",
+    )
+    kind: EnumProperty(
+        name="Material",
+        description=_KINDS.help,
+        items=enum_items(_KINDS.choices, _KINDS.help),
+        default=_KINDS.default,
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with a mesh selected that is no lamp."""
+        return bool(_meshes(context))
+
+    def act(self, context: Context) -> None:
+        """Mark each."""
+        chosen = _meshes(context)
+        for obj in chosen:
+            objects.mark(obj, self.role, replace(Material(), kind=self.kind))
+        if self.role == "RECEIVER":
+            depsgraph = context.evaluated_depsgraph_get()
+            objects.require_receivers(chosen, depsgraph)
+
+    def draw(self, context: Context) -> None:
+        """The material only for bodies."""
+        self.layout.use_property_split = True
+        self.layout.prop(self, "role")
+        if self.role == "BODY":
+            self.layout.prop(self, "kind")
+
+
+class HELIFORM_OT_select(Reporting, Operator):
+    """Select this object alone and make it active"""
+
+    bl_idname = "heliform.select"
+    bl_label = "Select"
+    bl_options = {"INTERNAL", "UNDO"}  # noqa: RUF012
+
+    name: StringProperty(options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only in Object Mode."""
+        return in_object_mode(context)
+
+    def act(self, context: Context) -> None:
+        """Select it. Raises SceneError when it is gone."""
+        obj = context.view_layer.objects.get(self.name)
+        if obj is None:
+            raise SceneError(f"There is no “{self.name}” in this view layer any more.")
+        objects.select_only(context, obj)
+
+
+class HELIFORM_OT_add_demo(Reporting, Operator):
+    """Add the printed tube, a lamp above it and a receiver below it"""
+
+    bl_idname = "heliform.add_demo"
+    bl_label = "Demo Scene"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only in Object Mode."""
+        return in_object_mode(context)
+
+    def act(self, context: Context) -> None:
+        """Experiment A: a tube 1 mm above the plane, the lamp 0.22 m over the plane."""
+        objects.add_demo(context, TABLE_1["tube"])
+
+
+def _meshes(context: Context) -> list[Object]:
+    return [
+        obj
+        for obj in context.selected_objects
+        if obj.type == "MESH" and obj.heliform.role != "LAMP"
+    ]
+
+
+_CLASSES = (
+    HELIFORM_OT_add_lamp,
+    HELIFORM_OT_add_receiver,
+    HELIFORM_OT_mark_as,
+    HELIFORM_OT_select,
+    HELIFORM_OT_add_demo,
+)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)
