@@ -6,10 +6,18 @@ from typing import Final
 
 MODULES: Final = (
     "addon.properties",
+    "addon.preferences",
+    "addon.bridge.stage",
+    "addon.overlays",
+    "addon.jobs",
+    "addon.command",
     "operators.objects",
     "operators.glass",
+    "operators.run",
+    "operators.light",
     "panels.scene",
     "panels.glass",
+    "panels.light",
 )
 
 

@@ -70,6 +70,7 @@ class _Task:
 state = State()
 _worker: Worker | None = None
 _tasks: dict[int, _Task] = {}
+_shown: tuple[str, int, int] | None = None
 
 
 # What operators call
@@ -213,6 +214,7 @@ def _submit(task: _Task) -> Job:
 
 def _follow() -> float | None:
     """Called by Blender's timer: take in what happened, end when there is nothing to follow."""
+    global _shown
     for event in worker().poll():
         task = _tasks.get(event.job.id)
         if task is None:
@@ -222,7 +224,9 @@ def _follow() -> float | None:
             _finish(task, event)
         elif not task.forgotten:
             _progressed(event)
-    if state.running:
+    news = (state.text, round(100 * state.fraction), int(state.elapsed))
+    if state.running and news != _shown:
+        _shown = news
         _redraw()
     return PERIOD if _tasks else None
 
@@ -258,31 +262,35 @@ def _conclude(task: _Task, ended: Ended) -> bool:
 
     Raises HeliformError for what went wrong, and Cancelled.
     """
-    match ended.outcome:
-        case "cancelled":
-            raise Cancelled
-        case "error":
-            raise HeliformError(ended.text)
-        case "died":
-            print(ended.text, file=sys.stderr)
-            raise WorkerDied(ended.text.splitlines()[0])
-        case "bug":
-            print(ended.text, file=sys.stderr)
-            last = ended.text.strip().splitlines()[-1]
-            raise HeliformError(f"Heliform has a bug; report it with the console's text: {last}")
-    result = task.analysis.shows.load(ended.out)
-    result.meta["folder"] = str(ended.out)
+    out = result_of(ended)
+    result = task.analysis.shows.load(out)
+    result.meta["folder"] = str(out)
     scene = _by_uid(bpy.data.scenes, task.scene)
     receiver = _by_uid(bpy.data.objects, task.receiver)
     if scene is None or receiver is None:
         raise SceneError(
             f"“{task.receiver_name}” was deleted while the light was traced; the result lies in "
-            f"“{ended.out}”."
+            f"“{out}”."
         )
     first = scene.heliform.shown is None
     display = read(scene.heliform.display, Display)
     scene.heliform.shown = stage.stage_irradiance(receiver, result, display)
     return first
+
+
+def result_of(ended: Ended) -> Path:
+    """The result folder of a job that is done; raises what ended another, in one sentence."""
+    if ended.out:
+        return ended.out
+    if ended.outcome == "cancelled":
+        raise Cancelled
+    if ended.outcome == "error":
+        raise HeliformError(ended.text)
+    print(ended.text, file=sys.stderr)
+    first, *_, last = ended.text.strip().splitlines() * 2
+    if ended.outcome == "died":
+        raise WorkerDied(first)
+    raise HeliformError(f"Heliform has a bug; report it with what the console says: {last}")
 
 
 def _by_uid(collection: Any, uid: int) -> Any:

@@ -1,17 +1,16 @@
 """Heliform's objects in Blender: made, and rebuilt when their properties change."""
 
-from collections.abc import Iterable
 from typing import Any
 
 import bpy
 
-from ..engines.core.errors import HeliformError, ParameterError, SceneError
-from ..engines.core.scene import Lamp, Luminaire, Material, Mesh, Plane
+from ..engines.core.errors import HeliformError, ParameterError
+from ..engines.core.scene import Lamp, Luminaire, Mesh, Plane
 from ..engines.glass import GlassObject, glass_object
 from ..engines.light.luminaires import source
 from ..engines.light.shape import lamp_outline, plane_mesh
 from .bridge.meshes import lines_to_blender, to_blender
-from .bridge.read import lamp_record, read_receiver
+from .bridge.read import lamp_record
 from .properties import read, scale_of, write
 
 GLASS = "glass.object"
@@ -91,27 +90,12 @@ def set_glass(obj: bpy.types.Object, record: GlassObject, scene: bpy.types.Scene
     rebuild(obj, scene)
 
 
-def mark(obj: bpy.types.Object, role: str, material: Material) -> None:
-    """Say what a mesh object is to light: a body of ``material``, a receiver, or nothing."""
+def mark(obj: bpy.types.Object, role: str, kind: str) -> None:
+    """Say what a mesh object is to light: a body of a ``kind`` of material, a receiver, nothing."""
     obj.heliform.role = role
     obj.heliform.problem = ""
     if role == "BODY":
-        write(obj.heliform.material, material)
-
-
-def require_receivers(
-    chosen: Iterable[bpy.types.Object], depsgraph: bpy.types.Depsgraph
-) -> None:
-    """Raise SceneError for the first object that cannot be a receiver, and unmark all of those."""
-    problems = []
-    for obj in chosen:
-        try:
-            read_receiver(obj, depsgraph)
-        except SceneError as error:
-            obj.heliform.role = "NONE"
-            problems.append(error)
-    if problems:
-        raise problems[0]
+        obj.heliform.material.kind = kind
 
 
 def lamp_hides(group: Any) -> set[str]:

@@ -30,7 +30,7 @@ from ..engines.light import PhotonTracing
 
 Update = Callable[[Any, bpy.types.Context], None]
 
-_ACRONYMS = {"ies": "IES"}
+_ACRONYMS = {"ies": "IES", "ior": "IOR"}
 _quiet = 0
 
 
@@ -42,16 +42,22 @@ def scale_of(scene: bpy.types.Scene) -> float:
 # From a record to properties
 
 
-@functools.cache
 def group_for(record: type, update: Update | None = None) -> type[bpy.types.PropertyGroup]:
     """The PropertyGroup that holds a record; ``update`` is called when a person changes it.
 
-    Made once for each record and update, and registered by `register` with the others.
+    Made once for each record and update, when a module is imported: `register` registers it.
     """
+    return _group_for(record, update)
+
+
+@functools.cache
+def _group_for(record: type, update: Update | None) -> type[bpy.types.PropertyGroup]:
     annotations = annotations_for(record, update)
     name = f"HELIFORM_PG_{record.__name__}{'_live' if update else ''}"
     group = type(
-        name, (bpy.types.PropertyGroup,), {"__doc__": record.__doc__, "__annotations__": annotations}
+        name,
+        (bpy.types.PropertyGroup,),
+        {"__doc__": record.__doc__, "__annotations__": annotations},
     )
     _groups.append(group)
     return group
@@ -78,10 +84,10 @@ def with_properties[C: type](record: type) -> Callable[[C], C]:
 def _property(field: Field, update: Update | None) -> Any:
     if field.kind == "record":
         return PointerProperty(
-            type=group_for(field.record, update), name=field.label, description=field.help
+            type=group_for(field.record, update), name=label_of(field), description=field.help
         )
     options: dict[str, Any] = {
-        "name": field.label,
+        "name": label_of(field),
         "description": _description(field),
         "default": field.default,
     }
@@ -103,6 +109,11 @@ def _property(field: Field, update: Update | None) -> Any:
     return FloatProperty(**options | _number(field))
 
 
+def label_of(field: Field) -> str:
+    """A field's name as a person reads it."""
+    return _ACRONYMS.get(field.name, field.label)
+
+
 def _number(field: Field) -> dict[str, Any]:
     """How a float is shown and held: lengths, angles and times as Blender's own."""
     match field.unit:
@@ -118,7 +129,7 @@ def _number(field: Field) -> dict[str, Any]:
         case "s":
             timed = {"subtype": "TIME_ABSOLUTE", "unit": "TIME_ABSOLUTE"}
             return timed | _bounds(field, "min", "max")
-    name = f"{field.label} ({field.unit})" if field.unit else field.label
+    name = f"{label_of(field)} ({field.unit})" if field.unit else label_of(field)
     span = (field.high or 100.0) - (field.low or 0.0)
     fine = {"step": 1, "precision": 4} if span <= 10 else {"step": 100, "precision": 2}
     return {"name": name, **fine, **_bounds(field, "min", "max")}
@@ -224,7 +235,7 @@ def draw(
             column.prop(group, field.name)
             continue
         box = layout.box()
-        box.label(text=field.label)
+        box.label(text=label_of(field))
         draw(box, getattr(group, field.name), field.record)
         column = layout.column()
 
@@ -245,6 +256,11 @@ def _rebuild(group: Any, context: bpy.types.Context) -> None:
     objects.rebuild(group.id_data, context.scene)
 
 
+# Made here: from Python 3.14 on, annotations are evaluated only when the class is registered.
+_SHAPE, _LAMP, _PLANE = (group_for(record, _rebuild) for record in (GlassObject, Lamp, Plane))
+_MATERIAL, _TRACING, _DISPLAY = map(group_for, (Material, PhotonTracing, Display))
+
+
 class HELIFORM_PG_object(bpy.types.PropertyGroup):
     """What an object is to Heliform."""
 
@@ -254,17 +270,17 @@ class HELIFORM_PG_object(bpy.types.PropertyGroup):
         name="Form", description="What made the mesh; empty for your own", options={"HIDDEN"}
     )
     problem: StringProperty(name="Problem", options={"HIDDEN"})
-    glass_object: PointerProperty(type=group_for(GlassObject, _rebuild))
-    material: PointerProperty(type=group_for(Material))
-    lamp: PointerProperty(type=group_for(Lamp, _rebuild))
-    plane: PointerProperty(type=group_for(Plane, _rebuild))
+    glass_object: PointerProperty(type=_SHAPE)
+    material: PointerProperty(type=_MATERIAL)
+    lamp: PointerProperty(type=_LAMP)
+    plane: PointerProperty(type=_PLANE)
 
 
 class HELIFORM_PG_scene(bpy.types.PropertyGroup):
     """Heliform's settings of a scene."""
 
-    photon_tracing: PointerProperty(type=group_for(PhotonTracing))
-    display: PointerProperty(type=group_for(Display))
+    photon_tracing: PointerProperty(type=_TRACING)
+    display: PointerProperty(type=_DISPLAY)
     seed: IntProperty(
         name="Seed", description="The same seed gives the same photons", default=0, min=0
     )

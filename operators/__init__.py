@@ -29,6 +29,20 @@ class Reporting:
         return {"FINISHED"}
 
 
+class ObjectMode(Reporting):
+    """An operator that adds or replaces objects."""
+
+    poll_message_set: Callable[[str], None]
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only in Object Mode."""
+        if not in_object_mode(context):
+            cls.poll_message_set("Leave Edit Mode first")
+            return False
+        return True
+
+
 def in_object_mode(context: bpy.types.Context) -> bool:
     """Whether objects can be added and replaced."""
     return context.mode == "OBJECT"

@@ -18,7 +18,7 @@ from ..addon.properties import (
 )
 from ..engines.core import solid
 from ..engines.glass import TABLE_1, GlassObject
-from . import Reporting, in_object_mode
+from . import ObjectMode, Reporting, in_object_mode
 
 CUSTOM = "custom"
 NAMES = {"tube": "Tube", "three_bulges": "Three Bulges", "four_bulges": "Four Bulges"}
@@ -27,7 +27,7 @@ _PRESETS = enum_items(TABLE_1, "Size and face count as in Table 1 of the thesis"
 
 
 @with_properties(GlassObject)
-class HELIFORM_OT_add_glass_object(Reporting, Operator):
+class HELIFORM_OT_add_glass_object(ObjectMode, Operator):
     """Add a printed glass vessel that stands at the 3D cursor"""
 
     bl_idname = "heliform.add_glass_object"
@@ -40,11 +40,6 @@ class HELIFORM_OT_add_glass_object(Reporting, Operator):
         items=[*_PRESETS, *enum_items([CUSTOM], "The values below")],
         default="tube",
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        """Only in Object Mode."""
-        return in_object_mode(context)
 
     def act(self, context: Context) -> None:
         """Add the object; a preset also fills in the values that the redo panel shows."""
@@ -86,13 +81,16 @@ class HELIFORM_OT_reshape_glass(Reporting, Operator):
         objects.set_glass(context.object, TABLE_1[self.preset], context.scene)
 
 
-class _OnMeshes(Reporting):
-    """An operator on the selected mesh objects that have faces."""
+class _OnMeshes(ObjectMode):
+    """An operator on the selected meshes."""
 
     @classmethod
     def poll(cls, context: Context) -> bool:
         """Only with a mesh selected, in Object Mode."""
-        return in_object_mode(context) and bool(_chosen(context))
+        if not _chosen(context):
+            cls.poll_message_set("Select a mesh that is no lamp or receiver")
+            return False
+        return super().poll(context)
 
 
 class HELIFORM_OT_check_glass(_OnMeshes, Operator):

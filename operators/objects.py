@@ -7,6 +7,7 @@ from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Object, Operator
 
 from ..addon import objects
+from ..addon.bridge.read import read_receiver
 from ..addon.properties import (
     ROLES,
     draw,
@@ -20,7 +21,7 @@ from ..engines.core.errors import SceneError
 from ..engines.core.parameters import fields_of
 from ..engines.core.scene import Lamp, Material, Plane
 from ..engines.glass import TABLE_1
-from . import Reporting, in_object_mode
+from . import ObjectMode, Reporting
 
 _FLUX = 500.0
 """Luminous flux in lm that a lamp without a photometric file starts with."""
@@ -29,17 +30,12 @@ _KINDS = next(field for field in fields_of(Material) if field.name == "kind")
 
 
 @with_properties(Lamp)
-class HELIFORM_OT_add_lamp(Reporting, Operator):
+class HELIFORM_OT_add_lamp(ObjectMode, Operator):
     """Add a lamp 22 cm above the 3D cursor, shining down"""
 
     bl_idname = "heliform.add_lamp"
     bl_label = "Add Lamp"
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        """Only in Object Mode."""
-        return in_object_mode(context)
 
     def act(self, context: Context) -> None:
         """Add the lamp; what keeps it from shining is shown in the panel."""
@@ -55,17 +51,12 @@ class HELIFORM_OT_add_lamp(Reporting, Operator):
 
 
 @with_properties(Plane)
-class HELIFORM_OT_add_receiver(Reporting, Operator):
+class HELIFORM_OT_add_receiver(ObjectMode, Operator):
     """Add a plane that gathers light, 1 mm below the 3D cursor so that glass does not touch it"""
 
     bl_idname = "heliform.add_receiver"
     bl_label = "Add Receiver"
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        """Only in Object Mode."""
-        return in_object_mode(context)
 
     def act(self, context: Context) -> None:
         """Add the receiver."""
@@ -105,13 +96,14 @@ class HELIFORM_OT_mark_as(Reporting, Operator):
         return bool(_meshes(context))
 
     def act(self, context: Context) -> None:
-        """Mark each."""
+        """Mark each. Raises SceneError where one cannot be a receiver; none is marked then."""
         chosen = _meshes(context)
-        for obj in chosen:
-            objects.mark(obj, self.role, replace(Material(), kind=self.kind))
         if self.role == "RECEIVER":
             depsgraph = context.evaluated_depsgraph_get()
-            objects.require_receivers(chosen, depsgraph)
+            for obj in chosen:
+                read_receiver(obj, depsgraph)
+        for obj in chosen:
+            objects.mark(obj, self.role, self.kind)
 
     def draw(self, context: Context) -> None:
         """The material only for bodies."""
@@ -121,7 +113,7 @@ class HELIFORM_OT_mark_as(Reporting, Operator):
             self.layout.prop(self, "kind")
 
 
-class HELIFORM_OT_select(Reporting, Operator):
+class HELIFORM_OT_select(ObjectMode, Operator):
     """Select this object alone and make it active"""
 
     bl_idname = "heliform.select"
@@ -129,11 +121,6 @@ class HELIFORM_OT_select(Reporting, Operator):
     bl_options = {"INTERNAL", "UNDO"}  # noqa: RUF012
 
     name: StringProperty(options={"HIDDEN"})
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        """Only in Object Mode."""
-        return in_object_mode(context)
 
     def act(self, context: Context) -> None:
         """Select it. Raises SceneError when it is gone."""
@@ -143,17 +130,12 @@ class HELIFORM_OT_select(Reporting, Operator):
         objects.select_only(context, obj)
 
 
-class HELIFORM_OT_add_demo(Reporting, Operator):
+class HELIFORM_OT_add_demo(ObjectMode, Operator):
     """Add the printed tube, a lamp above it and a receiver below it"""
 
     bl_idname = "heliform.add_demo"
     bl_label = "Demo Scene"
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        """Only in Object Mode."""
-        return in_object_mode(context)
 
     def act(self, context: Context) -> None:
         """Experiment A: a tube 1 mm above the plane, the lamp 0.22 m over the plane."""

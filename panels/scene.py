@@ -1,11 +1,12 @@
 """The parent panel: what is in the scene, and what the active object is to light."""
 
+import re
 import textwrap
 
 import bpy
 from bpy.types import Context, Object, Panel, UILayout
 
-from ..addon.objects import PLANE, lamp_hides
+from ..addon.objects import GLASS, PLANE, lamp_hides
 from ..addon.properties import draw
 from ..engines.core.scene import Lamp, Material, Plane
 from . import PARENT, Sidebar
@@ -15,6 +16,7 @@ _ROLES = (
     ("LAMP", "LIGHT_SPOT", "No lamp"),
     ("RECEIVER", "MESH_PLANE", "No receiver"),
 )
+_TABLE = re.compile(r"^\[[\w.]+\] ")
 _MATERIAL_HIDES = {
     "dielectric": {"reflectance", "specularity"},
     "mirror": {"ior", "specularity"},
@@ -68,7 +70,8 @@ class HELIFORM_PT_object(Sidebar, Panel):
             for role, text in (("BODY", "Body"), ("RECEIVER", "Receiver"), ("NONE", "None")):
                 button = row.operator("heliform.mark_as", text=text, depress=own.role == role)
                 button.role, button.kind = role, own.material.kind
-        draw_problem(layout, obj)
+        if own.form != GLASS:  # its own room says so
+            draw_problem(layout, obj)
         if own.role == "BODY":
             draw(layout, own.material, Material, _MATERIAL_HIDES[own.material.kind])
         elif own.role == "LAMP":
@@ -82,13 +85,13 @@ def draw_problem(layout: UILayout, obj: Object) -> None:
     draw_sentence(layout, obj.heliform.problem)
 
 
-def draw_sentence(layout: UILayout, sentence: str, width: int = 38) -> None:
-    """A sentence in a red box, broken into lines of about ``width`` letters."""
+def draw_sentence(layout: UILayout, sentence: str, width: int = 34) -> None:
+    """A sentence in a red box, in lines of ``width`` letters, without the name of its table."""
     if not sentence:
         return
     box = layout.box().column(align=True)
     box.alert = True
-    for index, line in enumerate(textwrap.wrap(sentence, width)):
+    for index, line in enumerate(textwrap.wrap(_TABLE.sub("", sentence), width)):
         box.label(text=line, icon="ERROR" if index == 0 else "BLANK1")
 
 
@@ -98,9 +101,7 @@ def _listed(context: Context, role: str) -> list[Object]:
     )
 
 
-def _list(
-    column: UILayout, context: Context, found: list[Object], icon: str, none: str
-) -> None:
+def _list(column: UILayout, context: Context, found: list[Object], icon: str, none: str) -> None:
     if not found:
         row = column.row()
         row.enabled = False
@@ -116,7 +117,10 @@ def _list(
         switch = row.row()
         switch.alignment = "RIGHT"
         switch.prop(
-            obj.heliform, "on", text="", icon="CHECKBOX_HLT" if obj.heliform.on else "CHECKBOX_DEHLT",
+            obj.heliform,
+            "on",
+            text="",
+            icon="CHECKBOX_HLT" if obj.heliform.on else "CHECKBOX_DEHLT",
             emboss=False,
         )
 

@@ -7,7 +7,8 @@ spill light. w makes the beam angle, I₀ the flux. Run: python tools/make_par20
 from collections.abc import Iterable
 
 import numpy as np
-from heliform.engines.light.photometry import Photometry, sample_path, scaled_to
+from heliform.engines.light.ies import sample_path
+from heliform.engines.light.photometry import Photometry, scaled_to
 
 FLUX, WATTS, DIAMETER = 500.0, 10.8, 0.05
 BEAM, STEEPNESS, SPILL = 25.0, 2.5, 0.03

@@ -39,9 +39,7 @@ def objects_of(layer: bpy.types.ViewLayer, role: str) -> list[bpy.types.Object]:
     return sorted(found, key=lambda o: o.name)
 
 
-def read_mesh(
-    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scale: float = 1.0
-) -> Mesh:
+def read_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scale: float = 1.0) -> Mesh:
     """An object's evaluated mesh in the world, in metres. Raises SceneError without faces."""
     return from_blender(obj.evaluated_get(depsgraph)).moved(_matrix(obj, depsgraph, scale, scale))
 

@@ -35,7 +35,8 @@ QUANTITIES = {
 }
 
 _OWNER, _KIND = "heliform_owner", "heliform_kind"
-_META, _LEGEND, _PROBLEM = "heliform_meta", "heliform_legend", "heliform_problem"
+_META, _FIGURES = "heliform_meta", "heliform_figures"
+_LEGEND, _PROBLEM = "heliform_legend", "heliform_problem"
 SECTION = "heliform_section"
 
 
@@ -49,6 +50,7 @@ def stage_irradiance(
         _fill(image, np.stack([getattr(result, name) for name in names], axis=-1))
     picture = _image(receiver, PICTURE, result.illuminance.shape)
     picture[_META] = json.dumps(result.meta)
+    picture[_FIGURES] = json.dumps(result.figures())
     picture.pop(SECTION, None)
     _colour(picture, getattr(result, picture.heliform_map), Display())
     redisplay(picture, display)  # a range set by hand that is none must not lose the result
@@ -77,6 +79,11 @@ def staged(picture: bpy.types.Image) -> IrradianceMap:
 def meta_of(picture: bpy.types.Image) -> dict[str, Any]:
     """What is known of the result in a picture: see `IrradianceMap.meta`."""
     return json.loads(picture[_META])
+
+
+def figures_of(picture: bpy.types.Image) -> dict[str, Any]:
+    """The numbers of the result in a picture: see `IrradianceMap.figures`."""
+    return json.loads(picture[_FIGURES])
 
 
 def legend_of(picture: bpy.types.Image) -> ColourScale:

@@ -29,8 +29,7 @@ def load_mesh(path: Path, unit: str = "m") -> Mesh:
 
 def _load_npz(path: Path) -> Mesh:
     with np.load(path, allow_pickle=False) as arrays:
-        normals = arrays["normals"] if "normals" in arrays else None
-        return Mesh(arrays["vertices"], arrays["faces"], normals)
+        return Mesh(arrays["vertices"], arrays["faces"], arrays.get("normals"))
 
 
 def _load_other(path: Path) -> Mesh:

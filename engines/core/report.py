@@ -15,11 +15,13 @@ STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #222; margin: 2.5rem auto; max-width: 70rem;
   padding: 0 1.5rem; }
 h1 { font-size: 1.7rem; margin: 0 0 .2rem; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; }
-.quiet { color: #666; } .note { border-left: 3px solid #c80; padding: .2rem .8rem; margin: .4rem 0; }
+.quiet { color: #666; }
+.note { border-left: 3px solid #c80; padding: .2rem .8rem; margin: .4rem 0; }
 .pictures { display: flex; flex-wrap: wrap; gap: 1.2rem; } figure { margin: 0; flex: 1 1 24rem; }
 figure img { width: 100%; max-width: 42rem; } figcaption { color: #666; font-size: .85rem; }
 table { border-collapse: collapse; } td, th { padding: .2rem 1rem .2rem 0; text-align: left;
-  border-bottom: 1px solid #e4e4e4; } td.number { text-align: right; font-variant-numeric: tabular-nums; }
+  border-bottom: 1px solid #e4e4e4; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; }
 """
 
 
@@ -54,8 +56,9 @@ def _head(summary: Mapping[str, Any]) -> str:
     quick = " · quick look" if summary["quick"] else ""
     return (
         f"<h1>{html.escape(summary['title'])}</h1><p>{html.escape(summary['about'])}</p>"
-        f"<p class='quiet'>study {html.escape(summary['study'])} · Heliform {summary['heliform']} · "
-        f"seed {summary['seed']} · {summary['seconds']:.1f} s{quick}</p>"
+        f"<p class='quiet'>study {html.escape(summary['study'])}"
+        f" · Heliform {summary['heliform']}"
+        f" · seed {summary['seed']} · {summary['seconds']:.1f} s{quick}</p>"
     )
 
 
@@ -72,14 +75,14 @@ def _plot(folder: Path, name: str) -> str:
     columns, meta = load_csv(folder / name)
     (first, along), *curves = columns.items()
     figure = go.Figure()
-    bounds = {key.split(" ")[0]: key for key in columns}
+    bounds = {key.split(" ")[0].lower(): key for key in columns}
     if {"lower", "upper"} <= set(bounds):
         clear = {"mode": "lines", "line": {"width": 0}, "hoverinfo": "skip"}
         figure.add_scatter(x=along, y=columns[bounds["lower"]], showlegend=False, **clear)
         band = {"fill": "tonexty", "fillcolor": "rgba(33,145,140,.25)", "name": "95 % interval"}
         figure.add_scatter(x=along, y=columns[bounds["upper"]], **clear, **band)
     for label, values in curves:
-        if label.split(" ")[0] not in ("lower", "upper"):
+        if label not in (bounds.get("lower"), bounds.get("upper")):
             figure.add_scatter(x=along, y=values, mode="lines", name=label)
     figure.update_layout(
         template="plotly_white", height=380, margin={"l": 60, "r": 20, "t": 20, "b": 50}

@@ -70,7 +70,9 @@ def _run(study: Study, folder: Path, progress: Progress) -> list[str]:
     pictures: list[str] = []
     for index, case in enumerate(study.cases):
         count = len(study.cases)
-        share = part(progress, index / count, (index + 1) / count, f"{case.name}: " * bool(case.name))
+        share = part(
+            progress, index / count, (index + 1) / count, f"{case.name}: " * bool(case.name)
+        )
         _run_case(case, study.seed, folder, share, summary, pictures)
     summary["seconds"] = time.perf_counter() - started
     files += ["result.json", "report.html"]

@@ -8,7 +8,6 @@ through: the system's, else the one that the llvm-nanobind wheel brings.
 import ctypes
 import fnmatch
 import functools
-import glob
 import importlib.metadata
 import os
 import sys
@@ -22,13 +21,13 @@ MITSUBA_VERSION = "3.9.1"
 OLDEST_LLVM = 17
 PLACES = {
     "linux": (
-        "/usr/lib/*/libLLVM*.so*",
-        "/usr/lib64/libLLVM*.so*",
-        "/usr/lib/llvm-*/lib/libLLVM*.so*",
+        "usr/lib/*/libLLVM*.so*",
+        "usr/lib64/libLLVM*.so*",
+        "usr/lib/llvm-*/lib/libLLVM*.so*",
     ),
     "darwin": (
-        "/opt/homebrew/opt/llvm*/lib/libLLVM.dylib",
-        "/usr/local/opt/llvm*/lib/libLLVM.dylib",
+        "opt/homebrew/opt/llvm*/lib/libLLVM.dylib",
+        "usr/local/opt/llvm*/lib/libLLVM.dylib",
     ),
     "win32": (),
 }
@@ -58,9 +57,10 @@ class Choice:
 
 @functools.cache
 def llvms() -> tuple[Llvm, ...]:
-    """Every libLLVM found, in the order of preference: named by the user, the system's, the wheel's."""
+    """Every libLLVM found, the preferred first: named by the user, the system's, the wheel's."""
     named = os.environ.get("DRJIT_LIBLLVM_PATH", "")
-    system = [p for pattern in PLACES.get(sys.platform, ()) for p in sorted(glob.glob(pattern))]
+    root = Path(Path.cwd().anchor)
+    system = [p for pattern in PLACES.get(sys.platform, ()) for p in sorted(root.glob(pattern))]
     paths = dict.fromkeys(str(Path(p).resolve()) for p in (named, *system, *_bundled()) if p)
     return tuple(found for p in paths if (found := _probe(p)))
 

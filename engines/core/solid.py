@@ -111,7 +111,12 @@ def repair(mesh: Mesh) -> tuple[Mesh, list[str]]:
     _note(notes, dropped, "Dropped {} at edges with more than two.", "face", "faces")
     mesh, turned = _agreed(mesh)
     _note(notes, turned, "Turned {} to agree with the neighbours.", "face", "faces")
-    mesh, holes = _closed(mesh)
+    filled, holes = _closed(mesh)
+    if not _edges(filled.faces, len(filled.vertices)).sound:
+        mesh, dropped = _unpinched(mesh)
+        _note(notes, dropped, "Dropped {} where holes touch in a point.", "face", "faces")
+        filled, holes = _closed(mesh)
+    mesh = filled
     _note(notes, holes, "Closed {} with flat faces.", "hole", "holes")
     mesh, turned = _outward(mesh)
     _note(notes, turned, "Turned {} that faced the wrong way.", "part", "parts")
@@ -282,6 +287,20 @@ def _uncrowded(mesh: Mesh) -> tuple[Mesh, int]:
         around = edges.sides[edges.first[edge] : last[edge]] // 3
         keep[around[np.argsort(area[around])[:-2]]] = False
     return _picked(mesh, keep)
+
+
+def _unpinched(mesh: Mesh) -> tuple[Mesh, int]:
+    """The mesh less the faces about vertices where holes meet, so that each hole is one loop."""
+    before = len(mesh.faces)
+    while True:
+        edges = _edges(mesh.faces, len(mesh.vertices))
+        side = edges.sides[edges.first[edges.open]]
+        face, corner = side // 3, side % 3
+        ends = mesh.faces[face, corner], mesh.faces[face, (corner + 1) % 3]
+        pinched = np.bincount(np.concatenate(ends), minlength=len(mesh.vertices)) > 2
+        if not pinched.any():
+            return mesh, before - len(mesh.faces)
+        mesh, _ = _picked(mesh, ~pinched[mesh.faces].any(axis=1))
 
 
 def _picked(mesh: Mesh, keep: NDArray[np.bool_]) -> tuple[Mesh, int]:

@@ -185,7 +185,9 @@ def _formed(table: Mapping[str, Any], where: str) -> Mesh:
     if preset is not None:
         if preset not in form.presets:
             known = ", ".join(form.presets)
-            raise ParameterError(f"[{where}] preset = {preset!r} is not a choice; take one of {known}.")
+            raise ParameterError(
+                f"[{where}] preset = {preset!r} is not a choice; take one of {known}."
+            )
         shape = merged(to_table(form.presets[preset]), shape)
     return form.build(from_table(form.record, shape, f"{where}.shape"))
 
@@ -205,7 +207,7 @@ def _receiver(name: str, table: Mapping[str, Any]) -> Receiver:
 
 
 def _place(table: Mapping[str, Any], where: str) -> NDArray[np.float64]:
-    """The 4×4 matrix of ``matrix``, or of ``at`` (m), ``turn`` (degrees about X, Y, Z), ``scale``."""
+    """The 4×4 ``matrix``, or that of ``at`` (m), ``turn`` (degrees about X, Y, Z) and ``scale``."""
     if "matrix" in table:
         return _numbers(table, "matrix", (4, 4), np.eye(4), where)
     at = _numbers(table, "at", (3,), np.zeros(3), where)

@@ -16,30 +16,41 @@ CLASSES = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 180.0)
 """Angular radii in degrees that the balls are gathered into before their cells are spread."""
 
 
-def cover(triangles: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-    """Balls that contain a triangle soup (T, 3, 3): centres (K, 3) and their common radius.
+def cover(
+    vertices: NDArray[np.float64], faces: NDArray[np.integer]
+) -> tuple[NDArray[np.float64], float]:
+    """Balls that contain the triangles ``faces`` (T, 3): centres (K, 3) and their common radius.
 
-    The centres are those of the occupied voxels of a grid; large triangles are split until they
-    are about a voxel's size.
+    The centres are those of the voxels that a vertex lies in; no place of a triangle is farther
+    than longest edge ÷ √3 from a corner. Triangles larger than a voxel are split until they fit.
     """
-    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
     size = max(float((high - low).max()) / VOXELS, 1e-9)
-    middle, radius = _middles(triangles)
-    while (large := radius > size).any():
-        pieces = _split(triangles[large])
-        triangles = np.concatenate([triangles[~large], pieces])
-        middle, radius = _middles(triangles)
-    index = ((middle - low) / size).astype(np.int64).clip(0, VOXELS - 1)
+    reach = _longest_edges(vertices[faces])
+    large = reach > size
+    pieces = vertices[faces[large]]
+    longest = float(reach[~large].max(initial=0.0))
+    places = [vertices]
+    while len(pieces):
+        pieces = _split(pieces)
+        places.append(pieces.reshape(-1, 3))
+        reach = _longest_edges(pieces)
+        longest = max(longest, float(reach[reach <= size].max(initial=0.0)))
+        pieces = pieces[reach > size]
+    index = ((np.concatenate(places) - low) / size).astype(np.int32).clip(0, VOXELS - 1)
     occupied = np.zeros((VOXELS,) * 3, bool)
     occupied[tuple(index.T)] = True
     centres = low + (np.argwhere(occupied) + 0.5) * size
-    return centres, size * np.sqrt(3) / 2 + float(radius.max())
+    return centres, size * np.sqrt(3) / 2 + longest / np.sqrt(3)
 
 
-def _middles(triangles: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    middle = triangles.mean(axis=1)
-    square = ((triangles - middle[:, None]) ** 2).sum(axis=2)
-    return middle, np.sqrt(square.max(axis=1))
+def _longest_edges(triangles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The longest edge of each triangle (T, 3, 3), through its square."""
+    square = np.zeros(len(triangles))
+    for i in range(3):
+        edge = triangles[:, i] - triangles[:, i - 1]
+        square = np.maximum(square, np.einsum("ij,ij->i", edge, edge))
+    return np.sqrt(square)
 
 
 def _split(triangles: NDArray[np.float64]) -> NDArray[np.float64]:

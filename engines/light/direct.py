@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from ..core import runtime
 from ..core.scene import Receiver
@@ -24,7 +24,7 @@ import drjit as dr  # noqa: E402  (loads LLVM: only after the runtime has chosen
 Float, UInt32, Bool = mi.Float, mi.UInt32, mi.Bool
 
 REPLICATES = 8
-FIRST, MORE = 2, 16
+FIRST, MORE = 2, 64
 """Shadow rays a texel and replicate: to find the edges of shadows, and there."""
 MARGIN = 2
 GAUSS = 0.5 / np.sqrt(3.0)
@@ -52,7 +52,7 @@ def direct_light(
     if mixed.any():
         finer = shares(every[mixed], MORE, 1)
         value[mixed] = finer.mean(axis=0)
-        quantile = float(student.ppf(0.975, REPLICATES - 1))
+        quantile = float(stdtrit(REPLICATES - 1, 0.975))
         spread[mixed] = quantile * finer.std(axis=0, ddof=1) / np.sqrt(REPLICATES)
     scale = lit.exitance if source.distribution is None else clear
     return (value * scale).reshape(shape), (spread * scale).reshape(shape)

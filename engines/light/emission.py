@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import runtime
-from . import aim
-from . import photometry as ies
+from . import aim, photometry
 from .luminaires import Source
 from .photometry import Photometry
 from .stage import MM, Stage
@@ -32,7 +31,7 @@ exact in float32 where cos γ is not."""
 class Emission:
     """Cells that a luminaire's photons leave from.
 
-    ``flux`` (C,) float64 is each cell's in lm, ``cells`` (C, ROW) float32 what a photon of it needs:
+    ``flux`` (C,) float64 is each cell's in lm, ``cells`` (C, ROW) float32 what its photons need:
     radians and sin²(γ/2) for directions, metres for a beam.
     """
 
@@ -60,7 +59,7 @@ def intensity_grid(distribution: Photometry) -> NDArray[np.float64]:
     finest = float(np.diff(distribution.vertical).min(initial=180.0))
     rows = round(180.0 / np.clip(finest, FINEST, COARSEST))
     gamma, turn = np.linspace(0, 180, rows + 1), np.linspace(0, 360, AZIMUTHS + 1)
-    return ies.intensity_at(distribution, gamma[:, None], turn[None, :])
+    return photometry.intensity_at(distribution, gamma[:, None], turn[None, :])
 
 
 def _directions(
@@ -107,7 +106,7 @@ def _beam(
 
 
 def draw(emission: Emission, count: int, random: np.random.Generator) -> NDArray[np.uint32]:
-    """Which cell each of ``count`` photons leaves from (count,), independent draws in cell order."""
+    """The cell that each of ``count`` photons leaves from (count,): independent, in cell order."""
     sent = random.multinomial(count, emission.flux / emission.flux.sum())
     return np.repeat(np.arange(len(sent), dtype=np.uint32), sent)
 

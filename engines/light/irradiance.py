@@ -68,9 +68,9 @@ class IrradianceMap:
 
     def draw(self, folder: Path, display: Display) -> list[str]:
         """Write pictures and the section along u into ``folder``; returns their names."""
-        from .drawing import draw
+        from . import drawing
 
-        return draw(self, folder, display)
+        return drawing.draw(self, folder, display)
 
     @classmethod
     def load(cls, folder: Path) -> "IrradianceMap":

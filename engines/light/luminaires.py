@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..core.errors import SceneError
 from ..core.scene import Luminaire
-from . import photometry as ies
+from . import ies, photometry
 from .photometry import Photometry
 
 Shape = Literal["round", "rectangular", "point"]
@@ -49,9 +49,9 @@ def source(luminaire: Luminaire) -> Source:
     """
     lamp, pose = luminaire.lamp, luminaire.pose
     axes = pose[:3, :3] / np.linalg.norm(pose[:3, :3], axis=0)
-    distribution, shape, width, length = _emission(luminaire)
     if lamp.source != "ies" and lamp.flux == 0:
         raise SceneError(f"Lamp “{luminaire.name}” has no luminous flux; give it one in lm.")
+    distribution, shape, width, length = _emission(luminaire)
     if distribution is None:
         flux = lamp.flux
         if width * length == 0:
@@ -60,8 +60,8 @@ def source(luminaire: Luminaire) -> Source:
             )
     else:
         if lamp.source == "ies" and lamp.flux > 0:
-            distribution = ies.scaled_to(distribution, lamp.flux)
-        flux = ies.luminous_flux(distribution)
+            distribution = photometry.scaled_to(distribution, lamp.flux)
+        flux = photometry.luminous_flux(distribution)
     if shape == "round":
         length = length or width
     if width * length == 0:
@@ -75,9 +75,9 @@ def _emission(luminaire: Luminaire) -> tuple[Photometry | None, Shape, float, fl
     length = lamp.length if asked == "rectangular" else lamp.width
     match lamp.source:
         case "point":
-            return ies.isotropic(lamp.flux), "point", 0.0, 0.0
+            return photometry.isotropic(lamp.flux), "point", 0.0, 0.0
         case "disk":
-            return ies.lambertian(lamp.flux), asked, lamp.width, length
+            return photometry.lambertian(lamp.flux), asked, lamp.width, length
         case "beam":
             return None, asked, lamp.width, length
     read = ies.read_ies(lamp.file or ies.sample_path())

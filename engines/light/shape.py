@@ -1,4 +1,4 @@
-"""The shapes that a lamp and a receiver have in a viewport: drawn from one, or read as the other."""
+"""What a lamp looks like in a viewport, and which receiver a flat mesh is."""
 
 from dataclasses import replace
 
@@ -54,7 +54,7 @@ def _joined(lines: list[Line]) -> tuple[Vector, Edges]:
 
 
 def _turn(count: int = AROUND) -> Vector:
-    return np.arange(count) * (2 * np.pi / count)
+    return np.arange(count, dtype=np.float64) * (2 * np.pi / count)
 
 
 def _opening(settled: Source) -> list[Line]:
@@ -87,7 +87,7 @@ def _arrow(reach: float) -> list[Line]:
 
 
 def _beam(settled: Source, reach: float) -> list[Line]:
-    turn, sides = _turn(), np.arange(4) * (np.pi / 2)
+    turn, sides = _turn(), _turn(4)
     if settled.distribution is None:
         down = np.array([0.0, 0.0, -reach])
         far, near = _rim(settled, turn) + down, _rim(settled, sides)
@@ -142,7 +142,8 @@ def placed_lamp(name: str, lamp: Lamp, matrix: NDArray[np.float64]) -> Luminaire
 def plane_mesh(plane: Plane) -> tuple[Mesh, NDArray[np.float32]]:
     """A plane as one quadrilateral about its own origin, and its texture coordinates (4, 2)."""
     square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.float32)
-    corners = np.column_stack([square - 0.5, np.zeros(4)]) * [plane.width, plane.length, 0.0]
+    size = np.array([plane.width, plane.length, 0.0])
+    corners = np.column_stack([square - 0.5, np.zeros(4)]).astype(np.float64) * size
     return Mesh(corners, np.arange(4, dtype=np.int32)[None]), square
 
 

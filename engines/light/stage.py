@@ -65,7 +65,7 @@ def build(scene: Scene) -> Stage:
     handle.update()
     kinds = frozenset(body.material.kind for body in scene.bodies)
     loaded = mi.load_dict({"type": "scene", "bodies": mesh})
-    middle, radius = aim.cover(vertices[faces])
+    middle, radius = aim.cover(vertices, faces)
     balls = middle / MM + centre, radius / MM
     return Stage(centre, loaded, mi.Float(records.ravel()), reach, kinds, balls)
 

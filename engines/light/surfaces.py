@@ -41,7 +41,7 @@ class Meeting:
 
 @dataclass
 class Outcome:
-    """Where the photon goes on, whether ``through`` the surface, ``absorbed``, or made ``matte``."""
+    """Where the photon goes on, if ``through`` the surface, ``absorbed``, or made ``matte``."""
 
     direction: Any
     through: Any
@@ -97,7 +97,7 @@ def _averaged(meeting: Meeting, normal: Any, chance: Any) -> tuple[Any, Any, Any
 
 
 def _exact(meeting: Meeting, normal: Any, chance: Any) -> tuple[Any, Any, Polarisation]:
-    """Fresnel's amplitudes on the light's Stokes vector [Born & Wolf, Principles of Optics, §1.5]."""
+    """Fresnel's amplitudes on the Stokes vector [Born & Wolf, Principles of Optics, §1.5]."""
     light = _turned(meeting.light, meeting.direction, normal)
     inward = dr.select(meeting.outside, normal, -normal)
     cos_i = -dr.dot(meeting.direction, inward)

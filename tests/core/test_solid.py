@@ -172,3 +172,12 @@ def test_a_mesh_without_faces_is_told():
     with pytest.raises(SceneError, match="Glass “Vase” has no faces"):
         require_solid("Vase", empty)
     assert repair(empty)[1] == ["Could not repair everything: it still has no faces."]
+
+
+@pytest.mark.parametrize("missing", [1, 2, 3, 5, 14])
+def test_holes_that_touch_in_a_point_are_closed_too(missing):
+    ball = trimesh.creation.icosphere(3, 0.03)
+    faces = np.asarray(ball.faces, np.int32)[missing:]
+    mended, notes = repair(Mesh(np.asarray(ball.vertices), faces))
+    assert not inspect(mended).problem
+    assert notes

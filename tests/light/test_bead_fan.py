@@ -3,7 +3,6 @@
 import numpy as np
 from heliform.engines.core.scene import Mesh
 from heliform.engines.light import PhotonTracing, trace
-
 from light import scenes
 
 HEIGHT, SAG, IOR, DEPTH = 0.005, 0.0012, 1.5, 0.004
@@ -51,7 +50,7 @@ def bead(rows) -> Mesh:
 
 
 def exact_profile(edges):
-    """Share of the light in each bin of x: vertical rays, straight through the flat, then the arc."""
+    """Share of the light in each bin of x: vertical rays, straight in, refracted at the arc."""
     x = np.linspace(-WIDE / 2, WIDE / 2, 2_000_001)
     inside = np.arcsin(x / ARC)
     outside = np.arcsin(IOR * np.sin(inside))

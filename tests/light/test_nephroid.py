@@ -3,7 +3,6 @@
 import numpy as np
 from heliform.engines.core.scene import Body, Material, Mesh
 from heliform.engines.light import PhotonTracing, trace
-
 from light import scenes
 
 RADIUS = 0.05
@@ -14,7 +13,7 @@ def cup(count=1440, height=0.06) -> Mesh:
     turn = np.arange(count + 1) * 2 * np.pi / count
     ring = np.column_stack([np.cos(turn), np.sin(turn)])
     low = np.column_stack([ring * RADIUS, np.zeros(count + 1)])
-    vertices = np.concatenate([low, low + (0, 0, height)])
+    vertices = np.concatenate([low, low + np.array([0.0, 0.0, height])])
     k = np.arange(count, dtype=np.int32)
     faces = np.column_stack([k, k + count + 1, k + count + 2, k + 1]).astype(np.int32)
     inward = np.column_stack([-ring, np.zeros(count + 1)])

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from heliform.engines.core.errors import FileError, ParameterError
+from heliform.engines.light.ies import read_ies, sample_path
 from heliform.engines.light.photometry import (
     Photometry,
     beam_angle,
@@ -16,8 +17,6 @@ from heliform.engines.light.photometry import (
     isotropic,
     lambertian,
     luminous_flux,
-    read_ies,
-    sample_path,
     scaled_to,
 )
 from hypothesis import given, settings

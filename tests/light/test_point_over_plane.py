@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from heliform.engines.core.scene import Body, Lamp, Luminaire, Material, Mesh
 from heliform.engines.light import PhotonTracing, trace
-
 from light import scenes
 
 TRACED = PhotonTracing(until="landed", landed=4_000_000, direct="traced")

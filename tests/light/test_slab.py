@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from heliform.engines.light import PhotonTracing, trace
-
 from light import scenes
 
 IOR = 1.5

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from heliform.engines.light import PhotonTracing, trace
-
 from light import scenes
 
 RADIUS, IOR, LUX = 0.02, 1.5, 1000.0

@@ -55,8 +55,8 @@ def describe(folder: Path, lamp: Path, height: float, receiver: Receiver, ior: f
         f"!{pyradiance.BINPATH / 'xform'} -t 0 0 {height} lamp.rad\n"
         f"void dielectric clear 0 0 5 1 1 1 {ior} 0\n"
         "clear mesh glass 1 glass.rtm 0 0\n"
-        "void plastic white 0 0 5 .5 .5 .5 0 0\n"
-        f"white polygon plane 0 0 12 {corners}\n"
+        "void plastic black 0 0 5 .001 .001 .001 0 0\n"
+        f"black polygon plane 0 0 12 {corners}\n"
     )
 
 
@@ -84,7 +84,24 @@ def points(receiver: Receiver, columns: int, rows: int) -> bytes:
 def illuminance(folder: Path, rays: bytes, shape, bandwidth: int = 0, threads: int = 2):
     """Illuminance (rows, columns) in lx; with the caustic map where a bandwidth is given."""
     maps = ("-ap", "caustic.pm", bandwidth) if bandwidth else ()
-    command = ("rtrace", "-n", threads, "-h", "-fff", "-I", "-ab", 0, "-dj", 0, "-ds", 0.02, "-dt", 0, *maps, "scene.oct")
+    command = (
+        "rtrace",
+        "-n",
+        threads,
+        "-h",
+        "-fff",
+        "-I",
+        "-ab",
+        0,
+        "-dj",
+        0,
+        "-ds",
+        0.02,
+        "-dt",
+        0,
+        *maps,
+        "scene.oct",
+    )
     radiance = np.frombuffer(run(folder, *command, data=rays), "<f4").reshape(*shape, 3)
     return LUMENS_PER_WATT * radiance @ np.array([0.265, 0.670, 0.065])
 

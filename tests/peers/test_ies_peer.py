@@ -4,7 +4,8 @@ import subprocess
 
 import numpy as np
 import pytest
-from heliform.engines.light.photometry import intensity_at, read_ies, sample_path
+from heliform.engines.light.ies import read_ies, sample_path
+from heliform.engines.light.photometry import intensity_at
 
 pyradiance = pytest.importorskip("pyradiance")
 

@@ -1,0 +1,171 @@
+"""Running analyses, and their studies and reports: what is the same for every room."""
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.props import StringProperty
+from bpy.types import Context, Event, Operator
+
+from ..addon import jobs
+from ..addon.bridge import stage, studies
+from ..addon.bridge.read import read_scene
+from ..engines import light
+from ..engines.core import runtime
+from ..engines.core.analysis import Analysis
+from ..engines.core.errors import Cancelled, FileError, HeliformError
+from ..engines.core.files import safe_name
+from ..engines.core.study import load_study
+from . import Reporting, in_object_mode
+
+
+class RunAnalysis:
+    """An operator that runs ``analysis`` on the scene: in the window as a job, else to the end."""
+
+    analysis: Analysis
+    bl_label: str
+    bl_options = set()  # noqa: RUF012
+    report: Any
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only where Mitsuba runs, and one job at a time."""
+        why = reason_against()
+        if why:
+            cls.poll_message_set(why)  # type: ignore[attr-defined]
+        return not why
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        """Start the job; the panel shows how far it is."""
+        try:
+            jobs.begin(context, self.analysis, self.bl_label)
+        except HeliformError as error:
+            jobs.state.message = str(error)
+            self.report({"ERROR"}, str(error))
+        return {"CANCELLED"}  # nothing is to be undone yet
+
+    def execute(self, context: Context) -> set[str]:
+        """Run the job to its end."""
+        try:
+            jobs.run(context, self.analysis, self.bl_label)
+        except Cancelled:
+            self.report({"WARNING"}, f"{self.bl_label} was cancelled.")
+            return {"CANCELLED"}
+        except HeliformError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+def reason_against() -> str:
+    """Why no analysis can be started now, or an empty text."""
+    if jobs.state.running:
+        return f"{jobs.state.label} is running; wait or cancel it"
+    choice = runtime.choose()
+    return "" if choice.backend else f"Photons cannot be traced here: {choice.reason}"
+
+
+class HELIFORM_OT_cancel_job(Operator):
+    """Stop the running job; the scene stays as it is"""
+
+    bl_idname = "heliform.cancel_job"
+    bl_label = "Cancel"
+    bl_options = set()  # noqa: RUF012
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only while a job runs."""
+        return jobs.state.running
+
+    def execute(self, context: Context) -> set[str]:
+        """Ask it to stop."""
+        jobs.cancel()
+        return {"FINISHED"}
+
+
+class HELIFORM_OT_export_study(Reporting, Operator):
+    """Write the scene as a study: a folder that runs on any machine that has Heliform"""
+
+    bl_idname = "heliform.export_study"
+    bl_label = "Export Study"
+    bl_options = set()  # noqa: RUF012
+
+    directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN"})
+    filter_folder: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        """Ask where to."""
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def act(self, context: Context) -> str:
+        """Write a new folder. Raises FileError where that is not possible."""
+        name = safe_name(Path(bpy.data.filepath).stem or context.scene.name)
+        folder = Path(bpy.path.abspath(self.directory)) / f"{name} study"
+        if folder.exists():
+            raise FileError(f"“{folder}” is there already; choose another place, or delete it.")
+        scene = read_scene(context.scene, context.evaluated_depsgraph_get())
+        path = jobs.export(context.scene, scene, light.TRACE_PHOTONS, folder)
+        return f"The study is “{path}”."
+
+
+class HELIFORM_OT_load_study(Reporting, Operator):
+    """Add the objects and settings of a study to the scene"""
+
+    bl_idname = "heliform.load_study"
+    bl_label = "Load Study"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+
+    filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN"})
+    filter_glob: StringProperty(default="*.toml", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only in Object Mode."""
+        return in_object_mode(context)
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        """Ask which, starting among the studies that come with Heliform."""
+        if not self.filepath:
+            self.filepath = str(studies.SHIPPED / "demo.toml")
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def act(self, context: Context) -> str | None:
+        """Add the study's first case. Raises HeliformError, and adds nothing then."""
+        study = load_study(Path(bpy.path.abspath(self.filepath)))
+        studies.add_case(context.scene, study.cases[0], study.seed)
+        if len(study.cases) > 1:
+            first = study.cases[0].name
+            return f"“{first}” is the first of {len(study.cases)} cases of “{study.title}”."
+        return None
+
+
+class HELIFORM_OT_open_report(Reporting, Operator):
+    """Open the report of the shown result in the browser"""
+
+    bl_idname = "heliform.open_report"
+    bl_label = "Open Report"
+    bl_options = set()  # noqa: RUF012
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with a result."""
+        return stage.is_result(context.scene.heliform.shown)
+
+    def act(self, context: Context) -> None:
+        """Open it. Raises FileError where the folder is gone."""
+        report = Path(stage.meta_of(context.scene.heliform.shown)["folder"], "report.html")
+        if not report.is_file():
+            raise FileError(f"There is no report “{report}” any more; trace photons again.")
+        bpy.ops.wm.url_open(url=report.as_uri())
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (
+        HELIFORM_OT_cancel_job,
+        HELIFORM_OT_export_study,
+        HELIFORM_OT_load_study,
+        HELIFORM_OT_open_report,
+    )
+)

@@ -1,0 +1,204 @@
+"""The Light room: tracing, what came out, how it is shown."""
+
+import textwrap
+from typing import Any
+
+import bpy
+from bpy.types import Context, Panel, UILayout
+
+from ..addon import jobs
+from ..addon.bridge import stage
+from ..addon.properties import draw
+from ..engines.core import runtime
+from ..engines.core.colour import Display
+from ..engines.light import PhotonTracing
+from . import Room
+from .scene import draw_sentence
+
+_STOPS = {"error", "landed", "seconds"}
+_STOP_OF = {"error": "error", "landed": "landed", "time": "seconds"}
+_FLUX = (
+    ("emitted", "Lamps"),
+    ("landed", "Landed"),
+    ("absorbed", "Absorbed"),
+    ("escaped", "Escaped"),
+    ("cut_off", "Cut off"),
+)
+
+
+class HELIFORM_PT_light(Room, Panel):
+    """Photon tracing from the lamps through the glass onto the receiver"""
+
+    bl_idname = "HELIFORM_PT_light"
+    bl_label = "Light"
+
+    def draw(self, context: Context) -> None:
+        """How long to trace, and the button that does it."""
+        layout, settings = self.layout, context.scene.heliform
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        tracing = settings.photon_tracing
+        column = layout.column()
+        column.prop(tracing, "until")
+        column.prop(tracing, _STOP_OF[tracing.until])
+        if jobs.state.running:
+            _progress(layout)
+        else:
+            row = layout.row()
+            row.scale_y = 1.6
+            row.operator("heliform.trace_photons", icon="LIGHT_SUN")
+        if not runtime.choose().backend:
+            draw_sentence(layout, f"Tracing is off: {runtime.choose().reason}.")
+        draw_sentence(layout, jobs.state.message)
+
+
+class HELIFORM_PT_light_more(Room, Panel):
+    """Rarely needed settings of the tracing"""
+
+    bl_parent_id = "HELIFORM_PT_light"
+    bl_label = "Settings"
+    bl_options = {"DEFAULT_CLOSED"}  # noqa: RUF012
+
+    def draw(self, context: Context) -> None:
+        """Everything but when to stop."""
+        layout, settings = self.layout, context.scene.heliform
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        draw(layout, settings.photon_tracing, PhotonTracing, without=_STOPS | {"until"})
+        layout.prop(settings, "seed")
+
+
+class _ResultPanel(Room):
+    """A panel that is there once a result is."""
+
+    bl_parent_id = "HELIFORM_PT_light"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with a result."""
+        return stage.is_result(context.scene.heliform.shown)
+
+
+class HELIFORM_PT_light_result(_ResultPanel, Panel):
+    """What came of the tracing"""
+
+    bl_label = "Result"
+
+    def draw(self, context: Context) -> None:
+        """The numbers, where the light went, and the way to the report."""
+        layout, picture = self.layout, context.scene.heliform.shown
+        meta, figures = stage.meta_of(picture), stage.figures_of(picture)
+        box = layout.box().column(align=True)
+        _row(box, "Receiver", meta["receiver"])
+        _row(box, "Mean", _value(figures["mean_illuminance"]))
+        _row(box, "Highest", _value(figures["max_illuminance"]))
+        _row(box, "Error", f"{100 * meta['error']:.1f} %")
+        photons = meta["photons"]
+        sent, landed = (_count(photons[key]) for key in ("emitted", "landed"))
+        _row(box, "Photons", f"{sent}, {landed} landed")
+        _row(box, "Time", f"{meta['seconds']:.1f} s")
+        box = layout.box().column(align=True)
+        for key, name in _FLUX:
+            share = meta["flux"][key] / (meta["flux"]["emitted"] or 1)
+            _row(box, name, f"{meta['flux'][key]:.1f} lm", f"{100 * share:.1f} %")
+        for note in meta["notes"]:
+            _note(layout, note)
+        row = layout.row(align=True)
+        row.operator("heliform.open_report", icon="URL")
+
+
+class HELIFORM_PT_light_display(_ResultPanel, Panel):
+    """How the result is shown; changes colour it anew without tracing"""
+
+    bl_label = "Display"
+
+    def draw(self, context: Context) -> None:
+        """Which map, in which colours."""
+        layout, settings = self.layout, context.scene.heliform
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(settings.shown, "heliform_map")
+        fixed = {"low", "high"} if settings.display.automatic else set()
+        draw(layout, settings.display, Display, without=fixed)
+        draw_sentence(layout, stage.problem_of(settings.shown))
+        layout.prop(settings, "legend")
+        if context.scene.view_settings.view_transform not in ("Standard", "Raw"):
+            _note(layout, "Renders show the legend's colours with the view transform Standard.")
+            layout.prop(context.scene.view_settings, "view_transform", text="Renders")
+
+
+class HELIFORM_PT_light_section(_ResultPanel, Panel):
+    """The light along a line"""
+
+    bl_label = "Section"
+
+    def draw(self, context: Context) -> None:
+        """The line and the plot."""
+        layout, picture = self.layout, context.scene.heliform.shown
+        row = layout.row(align=True)
+        row.operator("heliform.section", icon="FCURVE")
+        row.operator("heliform.add_section_line", text="Add Line", icon="IPO_LINEAR")
+        if stage.SECTION in picture:
+            row.operator("heliform.clear_section", text="", icon="X")
+
+
+class HELIFORM_PT_study(Room, Panel):
+    """The scene as a file that runs anywhere, and back"""
+
+    bl_label = "Study"
+    bl_options = {"DEFAULT_CLOSED"}  # noqa: RUF012
+    bl_order = 100
+
+    def draw(self, context: Context) -> None:
+        """Load and export."""
+        row = self.layout.row(align=True)
+        row.operator("heliform.load_study", text="Load", icon="IMPORT")
+        row.operator("heliform.export_study", text="Export", icon="EXPORT")
+
+
+def _progress(layout: UILayout) -> None:
+    """The bar, what is being done, and Cancel."""
+    state = jobs.state
+    row = layout.row(align=True)
+    row.scale_y = 1.6
+    said = f"{100 * state.fraction:.0f} %, {state.elapsed:.0f} s"
+    row.progress(factor=state.fraction, text=said, type="BAR")
+    row.operator("heliform.cancel_job", text="", icon="CANCEL")
+    column = layout.column(align=True)
+    for line in textwrap.wrap("Stopping" if state.cancelling else state.text, 40):
+        column.label(text=line)
+
+
+def _row(column: UILayout, name: str, *values: str) -> None:
+    split = column.split(factor=0.35)
+    split.label(text=name)
+    cells = split.row()
+    for value in values:
+        cells.label(text=value)
+
+
+def _note(layout: UILayout, note: str) -> None:
+    column = layout.column(align=True)
+    for index, line in enumerate(textwrap.wrap(note, 40)):
+        column.label(text=line, icon="INFO" if index == 0 else "BLANK1")
+
+
+def _value(figure: dict[str, Any]) -> str:
+    spread = f" ± {figure['uncertainty']:.3g}" if "uncertainty" in figure else ""
+    return f"{figure['value']:.4g}{spread} {figure['unit']}"
+
+
+def _count(number: int) -> str:
+    return f"{number / 1e6:.1f} M" if number >= 1e6 else f"{number:,}"
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (
+        HELIFORM_PT_light,
+        HELIFORM_PT_light_more,
+        HELIFORM_PT_light_result,
+        HELIFORM_PT_light_display,
+        HELIFORM_PT_light_section,
+        HELIFORM_PT_study,
+    )
+)

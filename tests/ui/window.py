@@ -1,0 +1,101 @@
+"""Driving Heliform in a real Blender window, step after step, as a person would.
+
+A script for ``blender --python`` makes a generator of steps and hands it to `play`; each step
+yields the seconds until the next one. Pictures are taken of the whole screen, by ImageMagick.
+"""
+
+import importlib.util
+import subprocess
+import sys
+import time
+import traceback
+from collections.abc import Generator
+from pathlib import Path
+
+import bpy
+
+ROOT = Path(__file__).resolve().parents[2]
+
+bpy.context.preferences.view.show_splash = False
+
+
+def load() -> None:
+    """Import the checkout as ``heliform`` and register it, as Blender does with what is installed."""
+    spec = importlib.util.spec_from_file_location(
+        "heliform", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
+    )
+    sys.modules["heliform"] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(sys.modules["heliform"])
+    sys.modules["heliform"].register()
+
+
+def folder() -> Path:
+    """Where pictures go: the first argument after ``--``."""
+    out = Path(sys.argv[sys.argv.index("--") + 1])
+    out.mkdir(parents=True, exist_ok=True)
+    return out
+
+
+def view() -> dict:
+    """What a person points at: window, area and region of the first 3D view."""
+    window = bpy.context.window_manager.windows[0]
+    area = next(a for a in window.screen.areas if a.type == "VIEW_3D")
+    region = next(r for r in area.regions if r.type == "WINDOW")
+    return {"window": window, "screen": window.screen, "area": area, "region": region}
+
+
+def call(operator, *args, **options):
+    """An operator as from a button in the 3D view."""
+    with bpy.context.temp_override(**view()):
+        return operator(*args, **options)
+
+
+def open_sidebar() -> Generator[float]:
+    """Show the sidebar's Heliform tab."""
+    area = view()["area"]
+    area.spaces.active.show_region_ui = True
+    yield 0.5
+    next(r for r in area.regions if r.type == "UI").active_panel_category = "Heliform"
+    yield 0.5
+
+
+def picture(name: str) -> None:
+    """Save what the screen shows."""
+    path = folder() / f"{name}.png"
+    subprocess.run(["import", "-window", "root", str(path)], check=True)
+
+
+class Gaps:
+    """How long the window did not answer: times between the calls of a quick timer."""
+
+    def __init__(self) -> None:
+        self.gaps: list[float] = []
+        self._last = time.perf_counter()
+        bpy.app.timers.register(self._tick, persistent=True)
+
+    def _tick(self) -> float:
+        now = time.perf_counter()
+        self.gaps.append(now - self._last)
+        self._last = now
+        return 0.005
+
+    def say(self, what: str) -> None:
+        """Print median, 95th percentile and longest, and begin anew."""
+        gaps, self.gaps = sorted(self.gaps) or [float("nan")], []
+        marks = (gaps[len(gaps) // 2], gaps[int(0.95 * len(gaps))], gaps[-1])
+        print(f"gaps {what}: " + " ".join(f"{1000 * gap:.0f}" for gap in marks), "ms", flush=True)
+
+
+def play(steps: Generator[float]) -> None:
+    """Play the steps, then quit: exit code 0 where all went well."""
+
+    def tick() -> float:
+        try:
+            return next(steps)
+        except StopIteration:
+            sys.exit(0)
+        except BaseException:
+            traceback.print_exc()
+            sys.exit(1)
+
+    bpy.app.timers.register(tick, first_interval=1.0, persistent=True)
