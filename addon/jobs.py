@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import textwrap
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -314,7 +315,8 @@ def _redraw() -> None:
 
 def _popup(title: str, sentence: str) -> None:
     def draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
-        menu.layout.label(text=sentence)
+        for line in textwrap.wrap(sentence, 90):
+            menu.layout.label(text=line)
 
     bpy.context.window_manager.popup_menu(draw, title=title, icon="ERROR")
 

@@ -29,6 +29,8 @@ _CURVES = (
     ("caustic", "Caustic", (0.9, 0.62, 0.0, 1.0)),
     ("direct", "Direct", (0.8, 0.47, 0.65, 1.0)),
 )  # told apart by the colour-blind [Okabe & Ito 2008]
+_DECADES = 1e4
+"""What a logarithmic section spans."""
 _BAND = (0.34, 0.71, 0.91, 0.25)
 _FONT = 0
 
@@ -67,7 +69,7 @@ def draw(context: bpy.types.Context) -> None:
     legend = _draw_legend(picture, room, unit)
     section = section_of(picture)
     if section:
-        _draw_section(section, room, legend, unit)
+        _draw_section(section, room, legend, stage.legend_of(picture).log, unit)
 
 
 def free_of(area: bpy.types.Area | None, region: bpy.types.Region, margin: float) -> Box:
@@ -143,7 +145,7 @@ def _ramp(bar: Box, table: np.ndarray) -> None:
 # The section
 
 
-def _draw_section(section: dict[str, Any], room: Box, legend: Box, unit: float) -> None:
+def _draw_section(section: dict[str, Any], room: Box, legend: Box, log: bool, unit: float) -> None:
     """A card at the left with axes, curves and the interval of the first as a band."""
     width = min(460 * unit, legend.left - room.left - 12 * unit)
     height = min(230 * unit, room.height * 0.5)
@@ -155,7 +157,8 @@ def _draw_section(section: dict[str, Any], room: Box, legend: Box, unit: float) 
     curves = {name: np.array(section[name], dtype=float) for name, *_ in _CURVES}
     lower, upper = (np.array(section[name], dtype=float) for name in ("lower", "upper"))
     x_axis = Axis(0.0, float(along[-1] + along[0]), False)
-    y_axis = Axis(0.0, float(np.nanmax([1e-9, *upper])) * 1.05, False)
+    high = float(np.nanmax([1e-6, *upper])) * 1.05
+    y_axis = Axis(high / _DECADES if log else 0.0, high, log)
     y_ticks = y_axis.ticks(5)
     inner = Box(
         card.left + 16 * unit + max(_width(text, unit) for _, text in y_ticks),
@@ -172,7 +175,8 @@ def _draw_section(section: dict[str, Any], room: Box, legend: Box, unit: float) 
         _text(text, inner.left - 6 * unit - _width(text, unit), y - 4 * unit, unit, _QUIET)
     for position, text in x_axis.ticks(6):
         x = inner.left + position * inner.width
-        _text(f"{text} m", x - _width(text, unit) / 2, card.bottom + 9 * unit, unit, _QUIET)
+        x = min(x - _width(text, unit) / 2, inner.right + 8 * unit - _width(f"{text} m", unit))
+        _text(f"{text} m", x, card.bottom + 9 * unit, unit, _QUIET)
     _lines([(inner.left, inner.bottom), (inner.right, inner.bottom)], _QUIET, unit)
     x = inner.left + x_axis.position(along) * inner.width
     _band(x, *(inner.bottom + y_axis.position(v) * inner.height for v in (lower, upper)))

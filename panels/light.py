@@ -100,7 +100,7 @@ class HELIFORM_PT_light_result(_ResultPanel, Panel):
         box = layout.box().column(align=True)
         for key, name in _FLUX:
             share = meta["flux"][key] / (meta["flux"]["emitted"] or 1)
-            _row(box, name, f"{meta['flux'][key]:.1f} lm", f"{100 * share:.1f} %")
+            _row(box, name, f"{meta['flux'][key]:z.1f} lm", f"{100 * share:z.1f} %")
         for note in meta["notes"]:
             _note(layout, note)
         row = layout.row(align=True)
@@ -184,12 +184,17 @@ def _note(layout: UILayout, note: str) -> None:
 
 
 def _value(figure: dict[str, Any]) -> str:
-    spread = f" ± {figure['uncertainty']:.3g}" if "uncertainty" in figure else ""
-    return f"{figure['value']:.4g}{spread} {figure['unit']}"
+    spread = f" ± {_number(figure['uncertainty'])}" if "uncertainty" in figure else ""
+    return f"{_number(figure['value'])}{spread} {figure['unit']}"
+
+
+def _number(value: float) -> str:
+    """Three digits at least: 0.535, 43.6, 43 590 with a thin space."""
+    return f"{value:,.0f}".replace(",", "\u2009") if value >= 100 else f"{value:.3g}"
 
 
 def _count(number: int) -> str:
-    return f"{number / 1e6:.1f} M" if number >= 1e6 else f"{number:,}"
+    return f"{number / 1e6:.1f} M" if number >= 1e6 else _number(number)
 
 
 register, unregister = bpy.utils.register_classes_factory(

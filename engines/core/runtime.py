@@ -2,7 +2,8 @@
 
 Dr.Jit compiles for CUDA or through LLVM. With LLVM 15 on an AVX-512 machine it aborts the whole
 process, so LLVM's version is read from the library itself first, and only 17 or newer is let
-through: the system's, else the one that the llvm-nanobind wheel brings.
+through: the system's, else the one that the llvm-nanobind wheel brings. File names tell enough to
+choose by; the library chosen is asked itself before Dr.Jit gets it.
 """
 
 import ctypes
@@ -10,6 +11,7 @@ import fnmatch
 import functools
 import importlib.metadata
 import os
+import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +21,8 @@ from .errors import RuntimeMissing
 
 MITSUBA_VERSION = "3.9.1"
 OLDEST_LLVM = 17
+# libLLVM-15.so.1, libLLVM-14.0.6.so, libLLVM.so.19.1, libLLVM-a6b168f6.so.21.1
+NAMED = re.compile(r"LLVM-(\d+)(?:\.(\d+))?(?:\.(\d+))?\.so|\.so\.(\d+)\.(\d+)")
 PLACES = {
     "linux": (
         "usr/lib/*/libLLVM*.so*",
@@ -62,7 +66,7 @@ def llvms() -> tuple[Llvm, ...]:
     root = Path(Path.cwd().anchor)
     system = [p for pattern in PLACES.get(sys.platform, ()) for p in sorted(root.glob(pattern))]
     paths = dict.fromkeys(str(Path(p).resolve()) for p in (named, *system, *_bundled()) if p)
-    return tuple(found for p in paths if (found := _probe(p)))
+    return tuple(found for p in paths if (found := _named(p) or _probe(p)))
 
 
 def _bundled() -> list[str]:
@@ -74,6 +78,17 @@ def _bundled() -> list[str]:
     return [
         str(f.locate()) for f in files if fnmatch.fnmatch(f.name, "*LLVM*") and f.suffix != ".pyi"
     ]
+
+
+def _named(path: str) -> Llvm | None:
+    """The version in the file's name, where it has one: nothing need be loaded to read that."""
+    found = NAMED.search(Path(path).name)
+    if not found:
+        return None
+    major, minor, patch = (
+        int(part or 0) for part in (found[1] or found[4], found[2] or found[5], found[3])
+    )
+    return Llvm(path, (major, minor, patch))
 
 
 def _probe(path: str) -> Llvm | None:
@@ -137,6 +152,12 @@ def mitsuba() -> ModuleType:
             "brings them; geometry, files and the other analyses work without."
         )
     if choice.backend == "llvm":
+        told = _probe(choice.library)
+        if told is None or not told.usable:
+            raise RuntimeMissing(
+                f"Photon tracing is switched off: “{choice.library}” is not the LLVM that its name "
+                "says; remove it, or point DRJIT_LIBLLVM_PATH at LLVM 17 or newer."
+            )
         os.environ["DRJIT_LIBLLVM_PATH"] = choice.library
     import mitsuba as mi
 

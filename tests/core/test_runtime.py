@@ -76,3 +76,30 @@ def test_without_mitsuba_glass_and_studies_go_on():
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert int(done.stdout) > 200_000
+
+
+@pytest.mark.parametrize(
+    ("name", "version"),
+    [
+        ("libLLVM-15.so.1", (15, 0, 0)),
+        ("libLLVM-14.0.6.so", (14, 0, 6)),
+        ("libLLVM.so.19.1", (19, 1, 0)),
+        ("libLLVM-a6b168f6.so.21.1", (21, 1, 0)),
+        ("libLLVM.dylib", None),
+        ("LLVM-C.dll", None),
+    ],
+)
+def test_a_library_s_name_tells_its_version(name, version):
+    found = runtime._named(name)
+    assert (found.version if found else None) == version
+
+
+def test_a_library_that_is_not_what_its_name_says_is_never_given_to_dr_jit(
+    fresh, monkeypatch, tmp_path
+):
+    fake = tmp_path / "libLLVM.so.19.1"
+    fake.write_text("no library")
+    monkeypatch.setattr(runtime, "llvms", lambda: (runtime.Llvm(str(fake), (19, 1, 0)),))
+    monkeypatch.setattr(runtime, "_has_cuda", lambda: False)
+    with pytest.raises(RuntimeMissing, match="not the LLVM that its name says"):
+        runtime.mitsuba()

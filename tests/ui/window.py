@@ -65,6 +65,17 @@ def picture(name: str) -> None:
     subprocess.run(["import", "-window", "root", str(path)], check=True)
 
 
+def click(x: int, y: int) -> Generator[float]:
+    """Click where a person would, in pixels from the lower left; needs --enable-event-simulate."""
+    target = view()["window"]
+    for _ in range(2):
+        target.event_simulate("MOUSEMOVE", "NOTHING", x=x, y=y)
+        yield 0.2
+    for value in ("PRESS", "RELEASE"):
+        target.event_simulate("LEFTMOUSE", value, x=x, y=y)
+        yield 0.5
+
+
 class Gaps:
     """How long the window did not answer: times between the calls of a quick timer."""
 
