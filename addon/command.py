@@ -180,7 +180,7 @@ def _stoppable() -> Iterator[Callable[[], bool]]:
     try:
         yield lambda: asked
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGINT, before or signal.SIG_DFL)  # None is Blender's own
 
 
 class _Line:

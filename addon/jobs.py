@@ -104,7 +104,10 @@ def run(context: bpy.types.Context, analysis: Analysis, label: str) -> None:
         del _tasks[job.id]
         state.running = False
         shutil.rmtree(task.folder, ignore_errors=True)
-    _conclude(task, ended)
+    try:
+        _conclude(task, ended)
+    except WorkerDied as error:
+        raise WorkerDied(_told(task, error)) from None
 
 
 def cancel() -> None:
@@ -252,10 +255,11 @@ def _finish(task: _Task, ended: Ended) -> None:
         except Cancelled:
             state.message = ""
         except HeliformError as error:
-            state.message = str(error)
-            _popup(task.label, str(error))
+            state.message = _told(task, error)
+            _popup(task.label, state.message)
         finally:
             _redraw()
+            bpy.app.timers.register(_redraw, first_interval=0.3)  # the panels have moved
 
 
 def _conclude(task: _Task, ended: Ended) -> bool:
@@ -277,6 +281,11 @@ def _conclude(task: _Task, ended: Ended) -> bool:
     display = read(scene.heliform.display, Display)
     scene.heliform.shown = stage.stage_irradiance(receiver, result, display)
     return first
+
+
+def _told(task: _Task, error: HeliformError) -> str:
+    """What went wrong, without a folder that nobody knows of."""
+    return str(error).replace(f"“{task.folder / 'study.toml'}”", f"“{task.label}”")
 
 
 def result_of(ended: Ended) -> Path:

@@ -157,7 +157,7 @@ def _draw_section(section: dict[str, Any], room: Box, legend: Box, log: bool, un
     curves = {name: np.array(section[name], dtype=float) for name, *_ in _CURVES}
     lower, upper = (np.array(section[name], dtype=float) for name in ("lower", "upper"))
     x_axis = Axis(0.0, float(along[-1] + along[0]), False)
-    high = float(np.nanmax([1e-6, *upper])) * 1.05
+    high = 1.05 * float(np.nanmax([1e-6, *upper, *np.concatenate(list(curves.values()))]))
     y_axis = Axis(high / _DECADES if log else 0.0, high, log)
     y_ticks = y_axis.ticks(5)
     inner = Box(

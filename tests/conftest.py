@@ -1,4 +1,4 @@
-"""Blender comes first: its bpy must be loaded before pymeshlab, and must see nothing of the user's."""
+"""Blender comes first: bpy must be loaded before pymeshlab, and see nothing of the user's."""
 
 import contextlib
 import os

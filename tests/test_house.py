@@ -1,15 +1,12 @@
 """The house's own rules: what may import what, what ships, and that versions agree."""
 
 import ast
-import itertools
 import re
 import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
-
-import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("addon", "operators", "panels", "engines")
@@ -48,11 +45,11 @@ def own_imports(path: Path) -> Iterator[tuple[str, ...]]:
         if isinstance(node, ast.ImportFrom) and node.level:
             base = here[: len(here) - node.level] + tuple((node.module or "").split("."))
             base = tuple(filter(None, base))
-            yield from (base + (alias.name,) for alias in node.names)
+            yield from ((*base, alias.name) for alias in node.names)
 
 
-def names(paths: list[Path]) -> list:
-    return [pytest.param(path, id=path.relative_to(ROOT).as_posix()) for path in paths]
+def said(path: Path, what: object) -> str:
+    return f"{path.relative_to(ROOT).as_posix()}: {what}"
 
 
 def test_engines_import_where_there_is_no_blender():
@@ -67,25 +64,27 @@ for name in {[name.removesuffix(".__init__") for name in modules]}:
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("path", names(SHIPPED))
-def test_the_package_is_imported_relatively(path):
+def test_the_package_is_imported_relatively():
     """As an extension its name is another one, and not ours to know."""
-    tops = {name.partition(".")[0] for name in absolute_imports(path)}
-    assert not tops & {"heliform", "bl_ext", *FOLDERS}
+    own = {"heliform", "bl_ext", *FOLDERS}
+    found = [said(p, n) for p in SHIPPED for n in absolute_imports(p) if n.split(".")[0] in own]
+    assert not found
 
 
-@pytest.mark.parametrize("path", names(SHIPPED))
-def test_imports_run_one_way(path):
+def test_imports_run_one_way():
+    registration = (("__init__",), ("addon", "__init__"))  # knows everything
+    files = [path for path in SHIPPED if module_of(path) not in registration]
+    assert not [said(p, ".".join(t)) for p in files for t in own_imports(p) if not down(p, t)]
+
+
+def down(path: Path, there: tuple[str, ...]) -> bool:
+    """Whether a file may import that."""
     here = module_of(path)
-    if here in (("__init__",), ("addon", "__init__")):
-        return  # registration knows everything
-    for there in own_imports(path):
-        assert there[0] in FLOORS or there == ("VERSION",), f"imports {there}"
-        if there[0] in FLOORS:
-            assert FLOORS.index(there[0]) >= FLOORS.index(here[0]), f"imports {there}"
-        if here[0] == there[0] == "engines" and there[1] in (*ROOMS, "core"):
-            allowed = {"core", here[1], *MAY_USE.get(here[1], ())}
-            assert there[1] in allowed, f"imports {there}"
+    if there[0] not in FLOORS or FLOORS.index(there[0]) < FLOORS.index(here[0]):
+        return False
+    if here[0] == there[0] == "engines" and there[1] in ROOMS:
+        return here[1] != "core" and there[1] in {here[1], *MAY_USE.get(here[1], ())}
+    return True
 
 
 def test_rooms_use_one_another_in_no_circle():
@@ -100,17 +99,22 @@ def test_rooms_use_one_another_in_no_circle():
         assert room not in reached
 
 
-@pytest.mark.parametrize("path", names(SHIPPED))
-def test_no_file_that_is_opened_can_run_code(path):
-    assert not set(absolute_imports(path)) & {"pickle", "shelve", "marshal", "dill", "joblib"}
+def test_no_file_that_is_opened_can_run_code():
+    assert not [said(path, danger) for path in SHIPPED for danger in dangers(path)]
+
+
+def dangers(path: Path) -> Iterator[str]:
+    """Imports and calls by which a file could bring code along."""
+    unsafe = {"pickle", "shelve", "marshal", "dill", "joblib"}
+    yield from (name for name in absolute_imports(path) if name.split(".")[0] in unsafe)
     for call in (node for node in ast.walk(tree_of(path)) if isinstance(node, ast.Call)):
-        if isinstance(call.func, ast.Name):
-            assert call.func.id not in ("eval", "exec"), f"line {call.lineno}"
+        if isinstance(call.func, ast.Name) and call.func.id in ("eval", "exec"):
+            yield f"line {call.lineno}"
         for keyword in call.keywords:
-            if keyword.arg == "allow_pickle":
-                assert isinstance(keyword.value, ast.Constant), f"line {call.lineno}"
-                assert keyword.value.value is False, f"line {call.lineno}"
-            assert keyword.arg != "shell", f"line {call.lineno}"
+            value = keyword.value
+            safe = isinstance(value, ast.Constant) and value.value is False
+            if keyword.arg in ("allow_pickle", "shell") and not safe:
+                yield f"line {call.lineno}"
 
 
 def test_versions_agree():
@@ -131,25 +135,17 @@ def test_mitsuba_is_the_one_that_is_asked_for():
     assert f"mitsuba=={MITSUBA_VERSION}" in project["dependencies"]
 
 
-def test_every_folder_that_ships_is_in_the_wheel():
+def test_every_file_that_ships_is_in_the_wheel():
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    listed = set(settings["tool"]["setuptools"]["packages"])
-    folders = {path.parent.relative_to(ROOT).parts for path in SHIPPED}
-    assert listed == {".".join(("heliform", *parts)) for parts in folders}
-
-
-def test_every_data_file_that_ships_is_in_the_wheel():
-    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    patterns = settings["tool"]["setuptools"]["package-data"]
-    found = itertools.chain.from_iterable(
-        (ROOT / Path(*package.split(".")[1:])).glob(pattern)
-        for package, pattern in ((k, p) for k, listed in patterns.items() for p in listed)
-    )
-    places = [ROOT / folder for folder in (*FOLDERS, "studies")]
+    settings = settings["tool"]["setuptools"]
+    folders = {ROOT.joinpath(*name.split(".")[1:]): name for name in settings["packages"]}
     data = {
         path
-        for place in places
-        for path in place.rglob("*")
-        if path.is_file() and path.suffix not in (".py", ".pyc")
+        for folder, name in folders.items()
+        for pattern in settings["package-data"].get(name, ())
+        for path in folder.glob(pattern)
     }
-    assert data <= set(found)
+    code = {path for folder in folders for path in folder.glob("*.py")}
+    shipped = {p for f in (*FOLDERS, "studies") for p in (ROOT / f).rglob("*") if p.is_file()}
+    shipped = {path for path in shipped if path.suffix != ".pyc"} | {ROOT / "__init__.py"}
+    assert shipped | {ROOT / "blender_manifest.toml"} == code | data

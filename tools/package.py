@@ -113,8 +113,8 @@ def build(platform: Platform, out: Path) -> Path:
 
 def shipped_files() -> list[Path]:
     """What of the checkout goes into the zip, relative to it: nothing that git ignores."""
-    command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard", "--", *SHIPPED]
-    listed = _run(command, "The list of files could not be had from git").split("\0")
+    command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard", "--"]
+    listed = _run([*command, *SHIPPED], "The list of files could not be had from git").split("\0")
     return sorted(Path(name) for name in set(listed) if name and (ROOT / name).is_file())
 
 
@@ -136,7 +136,8 @@ def _downloaded(platform: Platform, python: str) -> Iterable[Path]:
         print(f"Downloading wheels for {platform.name}, Python {python}.", flush=True)
         shutil.rmtree(folder, ignore_errors=True)
         command = [sys.executable, "-m", "pip", "download", "--quiet", "--only-binary=:all:"]
-        command += ["--disable-pip-version-check", "--dest", str(folder), "--python-version", python]
+        command += ["--disable-pip-version-check", "--dest", str(folder)]
+        command += ["--python-version", python]
         command += [word for tag in platform.tags for word in ("--platform", tag)]
         _run([*command, *project["dependencies"]], f"There are no wheels for {platform.name}")
         for wheel in folder.glob("*.whl"):

@@ -34,5 +34,5 @@ if ! is_python_313 .venv/bin/python; then
 fi
 
 echo "Installing what pyproject.toml asks for into .venv (the first time this downloads about 1 GB)."
-.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[blender,dev]'
+PYTHONWARNINGS=ignore .venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[blender,dev]'
 echo "$ready" >.venv/ready

@@ -46,7 +46,6 @@ def stage_irradiance(
     """Put a result on its receiver and return the false-colour image; reruns replace in place."""
     for kind, names in CHANNELS.items():
         image = _image(receiver, kind, result.illuminance.shape)
-        image.colorspace_settings.name = "Non-Color"
         _fill(image, np.stack([getattr(result, name) for name in names], axis=-1))
     picture = _image(receiver, PICTURE, result.illuminance.shape)
     picture[_META] = json.dumps(result.meta)
@@ -152,6 +151,7 @@ def _fill(image: bpy.types.Image, colours: NDArray[np.float32]) -> None:
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     image.pack()
+    image.update_tag()  # or the view mixes it with what it has drawn before
 
 
 def _show(receiver: bpy.types.Object, picture: bpy.types.Image) -> None:

@@ -84,7 +84,8 @@ def _add_body(context: bpy.types.Context, body: Body, table: dict[str, Any]) -> 
         mesh = Mesh(body.mesh.vertices / scale, body.mesh.faces, body.mesh.normals)
         obj = bpy.data.objects.new(body.name, to_blender(mesh, body.name))
         context.collection.objects.link(obj)
-    objects.mark(obj, "BODY", body.material)
+    obj.heliform.role = "BODY"
+    write(obj.heliform.material, body.material)
 
 
 def _place(obj: bpy.types.Object, table: dict[str, Any], scale: float) -> None:

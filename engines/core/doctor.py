@@ -91,6 +91,8 @@ def _llvm() -> Line:
 
 
 def _dotted(llvm: runtime.Llvm) -> str:
+    if llvm.version[0] < 16:  # these cannot say which they are
+        return "15 or older"
     return ".".join(map(str, llvm.version))
 
 

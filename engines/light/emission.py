@@ -39,6 +39,11 @@ class Emission:
     flux: NDArray[np.float64]
     cells: NDArray[np.float32]
 
+    @property
+    def aimed(self) -> float:
+        """Flux in lm that the cells hold, 0 where no light can meet a body."""
+        return float(self.flux.sum())
+
 
 def emission(source: Source, stage: Stage, *, everywhere: bool = False) -> Emission:
     """The cells of ``source`` that can meet a body, or, ``everywhere``, all that emit."""

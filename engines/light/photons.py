@@ -10,6 +10,7 @@ from ..core import runtime
 from ..core.scene import Receiver
 from .emission import Emitter, draw
 from .stage import KINDS, RECORD, Stage
+from .tally import FATES, ROUTES
 
 mi = runtime.mitsuba()
 import drjit as dr  # noqa: E402  (loads LLVM: only after the runtime has chosen which)
@@ -18,9 +19,8 @@ from . import surfaces  # noqa: E402
 
 Float, UInt32, Bool = mi.Float, mi.UInt32, mi.Bool
 
-FATES = {"landed": 1, "absorbed": 2, "escaped": 3, "cut_off": 4}
 LANDED, ABSORBED, ESCAPED, CUT_OFF = FATES.values()
-DIRECT, CAUSTIC, INDIRECT = 0, 1, 2
+DIRECT, CAUSTIC, INDIRECT = ROUTES.values()
 ROULETTE_FROM = 32
 SURVIVAL = 0.9
 LONGEST = 512
@@ -29,7 +29,7 @@ OFFSET_SHARE = 2e-6
 
 
 class Landing(NamedTuple):
-    """What became of a batch's photons (N,): ``fate`` and ``route`` are the constants above.
+    """What became of a batch's photons (N,): ``fate`` as in FATES, ``route`` as in ROUTES.
 
     ``u``, ``v`` in 0..1 on the receiver where ``fate`` is LANDED; ``weight`` lm at the end, of
     which roulette gave ``gained``.

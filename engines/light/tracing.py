@@ -1,8 +1,8 @@
 """Photon tracing as an analysis: its parameters, when it stops, and what it hands back."""
 
 import time
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +15,8 @@ from ..core.progress import SILENT, Progress, part
 from ..core.scene import Body, Receiver, Scene
 from . import interval
 from .irradiance import IrradianceMap
-from .luminaires import Source, source
-
-if TYPE_CHECKING:
-    from .photons import Landing
+from .luminaires import source
+from .tally import Tally
 
 BATCH = 1 << 20
 SMALLEST = 1 << 16
@@ -48,32 +46,6 @@ class PhotonTracing:
         "computed", help="Light that meets no body: closed form with shadow rays, or by photons too"
     )
     repair: bool = param(False, help="Mend open or inside-out glass before tracing")
-
-
-@dataclass(slots=True)
-class Tally:
-    """What has landed where, in float64; its memory does not grow with the photons.
-
-    Every photon is counted with the whole flux it stands for: divide by ``emitted`` for lm.
-    """
-
-    texels: int
-    routes: NDArray[np.float64] = field(init=False)
-    square: NDArray[np.float64] = field(init=False)
-    flux: dict[str, float] = field(init=False)
-    direct_by_photons: float = 0.0
-    traced: float = 0.0
-    emitted: int = 0
-    landed: int = 0
-
-    def __post_init__(self) -> None:
-        self.routes = np.zeros((3, self.texels))
-        self.square = np.zeros(self.texels)
-        self.flux = dict.fromkeys(("landed", "absorbed", "escaped", "cut_off"), 0.0)
-
-    def total(self, count_direct: bool) -> NDArray[np.float64]:
-        """Sum over photons, a texel (T,) in lm, not yet divided by their number."""
-        return self.routes.sum(axis=0) if count_direct else self.routes[1:].sum(axis=0)
 
 
 def trace(
@@ -106,9 +78,8 @@ def trace(
 
     progress(0.05, "Building the scene")
     staged = stage.build(scene)
-    shape = (receiver.rows, receiver.columns)
     everything = tracing.direct == "traced"
-    light = np.zeros(shape), np.zeros(shape)
+    light = np.zeros((2, receiver.rows, receiver.columns))
     if not everything:
         for index, lamp in enumerate(sources):
             progress(0.1, f"Direct light of “{lamp.name}”")
@@ -116,22 +87,27 @@ def trace(
             light = light[0] + value, np.hypot(light[1], spread)
     progress(0.2, "Aiming at the glass")
     emissions = [emission.emission(s, staged, everywhere=everything) for s in sources]
-    emissions = [e for e in emissions if e.flux.sum() > 0]
-    tally = Tally(receiver.rows * receiver.columns)
+    emitters = [emission.Emitter(e, staged) for e in emissions if e.aimed > 0]
+    tally = Tally(receiver.rows, receiver.columns, everything)
     error = 0.0
-    if emissions and (scene.bodies or everything):
-        plane = photons.Plane(receiver, staged)
-        emitters = [emission.Emitter(e, staged) for e in emissions]
-        error = _batches(
-            tally, staged, plane, emitters, tracing, shape, seed, part(progress, 0.2, 1.0), notes
-        )
+    if emitters:
+        tracer = staged, photons.Plane(receiver, staged)
+        share = part(progress, 0.2, 1.0)
+        error = _batches(tally, tracer, emitters, tracing, seed, share, notes)
     elif not scene.bodies:
         notes.append("There is no glass or other body in the scene: direct light only.")
     else:
         notes.append("No light of the lamps can meet a body: direct light only.")
-    return _result(
-        tally, light, receiver, sources, tracing, error, seed, notes, time.perf_counter() - started
-    )
+    meta = {
+        "parameters": to_table(tracing),
+        "seed": seed,
+        "version": VERSION,
+        "backend": runtime.choose().backend,
+        "error": error,
+        "seconds": time.perf_counter() - started,
+        "notes": notes,
+    }
+    return _result(tally, (light[0], light[1]), receiver, meta, sum(s.flux for s in sources))
 
 
 def _receiver(scene: Scene) -> Receiver:
@@ -156,11 +132,9 @@ def _repaired(scene: Scene, notes: list[str]) -> Scene:
 
 def _batches(
     tally: Tally,
-    staged: Any,
-    plane: Any,
+    scene: Any,
     emitters: list[Any],
     tracing: PhotonTracing,
-    shape: tuple[int, int],
     seed: int,
     progress: Progress,
     notes: list[str],
@@ -168,47 +142,35 @@ def _batches(
     """Trace batch after batch until there is enough; returns the error reached."""
     from . import photons
 
-    share = np.array([e.emission.flux.sum() for e in emitters])
+    staged, plane = scene
+    share = np.array([e.emission.aimed for e in emitters])
     share /= share.sum()
     polarised = tracing.fresnel == "polarised"
-    everything = tracing.direct == "traced"
     began = time.perf_counter()
-    count, batch, error, said = PILOT, 0, float("inf"), "Compiling"
+    count, batch = PILOT, 0
+    progress(0.0, "Compiling")
     while True:
-        progress(_fraction(tally, tracing, error, time.perf_counter() - began), said)
         sent = np.random.default_rng((seed, batch)).multinomial(count, share)
-        for index, emitter in enumerate(emitters):
-            if sent[index]:
-                key = (seed, batch, index)
-                landing = photons.trace_batch(
-                    staged, plane, emitter, int(sent[index]), polarised, key
-                )
-                _add(tally, landing, share[index], shape, everything)
+        for index in np.flatnonzero(sent):
+            key = (seed, batch, int(index))
+            landing = photons.trace_batch(
+                staged, plane, emitters[index], int(sent[index]), polarised, key
+            )
+            tally.add(landing, share[index])
         batch += 1
-        elapsed = time.perf_counter() - began
-        error = interval.error(tally.total(everything), tally.square)
-        said = f"{tally.emitted / 1e6:.1f} M photons, {tally.landed / 1e6:.1f} M landed"
-        said += f", error {100 * error:.0f} %" if np.isfinite(error) else ""
+        error = interval.error(tally.total, tally.square)
         if tally.landed == 0 and batch >= HOPELESS:
             notes.append("None of the photons landed on the receiver: no caustic light.")
             return 0.0
-        if _enough(tally, tracing, error, elapsed):
+        more = _times_more(tally, tracing, error, time.perf_counter() - began)
+        if more <= 1.0:
             return error
-        count = _next(tally, tracing, error, elapsed)
+        progress(1.0 / more, _said(tally, error))
+        count = int(np.clip(1.02 * tally.emitted * (more - 1.0), SMALLEST, BATCH))
 
 
-def _enough(tally: Tally, tracing: PhotonTracing, error: float, elapsed: float) -> bool:
-    match tracing.until:
-        case "error":
-            return error <= tracing.error
-        case "landed":
-            return tally.landed >= tracing.landed
-        case "time":
-            return elapsed >= tracing.seconds
-
-
-def _ratio(tally: Tally, tracing: PhotonTracing, error: float, elapsed: float) -> float:
-    """How many times the photons so far are needed in all."""
+def _times_more(tally: Tally, tracing: PhotonTracing, error: float, elapsed: float) -> float:
+    """How many times the photons so far are needed in all; 1 or less is enough."""
     match tracing.until:
         case "error":
             return (error / tracing.error) ** 2
@@ -218,75 +180,31 @@ def _ratio(tally: Tally, tracing: PhotonTracing, error: float, elapsed: float) -
             return tracing.seconds / elapsed
 
 
-def _fraction(tally: Tally, tracing: PhotonTracing, error: float, elapsed: float) -> float:
-    if tally.emitted == 0:
-        return 0.0
-    ratio = _ratio(tally, tracing, error, elapsed)
-    return 1.0 / ratio if ratio > 1.0 else 1.0
-
-
-def _next(tally: Tally, tracing: PhotonTracing, error: float, elapsed: float) -> int:
-    """The next batch: what is still missing, between SMALLEST and BATCH."""
-    missing = tally.emitted * (_ratio(tally, tracing, error, elapsed) - 1.0)
-    return int(np.clip(1.02 * missing, SMALLEST, BATCH))
-
-
-def _add(
-    tally: Tally, landing: "Landing", share: float, shape: tuple[int, int], everything: bool
-) -> None:
-    """Sum a batch of the luminaire that sends this ``share`` of all photons into the tally."""
-    from . import photons
-
-    weight = landing.weight.astype(np.float64) / share
-    gained = float(landing.gained.sum(dtype=np.float64)) / share
-    for name in tally.flux:
-        tally.flux[name] += float(weight[landing.fate == photons.FATES[name]].sum())
-    tally.flux["cut_off"] -= gained
-    tally.traced += float(weight.sum()) - gained
-    tally.emitted += len(weight)
-    on = landing.fate == photons.FATES["landed"]
-    route = landing.route[on]
-    if not everything:
-        straight = route == photons.DIRECT
-        tally.direct_by_photons += float(weight[on][straight].sum())
-        on[on] = ~straight
-        route = route[~straight]
-    rows, columns = shape
-    column = np.minimum((landing.u[on] * columns).astype(np.int64), columns - 1)
-    row = np.minimum((landing.v[on] * rows).astype(np.int64), rows - 1)
-    texel, weight = row * columns + column, weight[on]
-    for index, total in enumerate(tally.routes):
-        chosen = route == index
-        if chosen.any():
-            total += np.bincount(texel[chosen], weight[chosen], tally.texels)
-    tally.square += np.bincount(texel, weight * weight, tally.texels)
-    tally.landed += len(texel)
+def _said(tally: Tally, error: float) -> str:
+    counts = f"{tally.emitted / 1e6:.1f} M photons, {tally.landed / 1e6:.1f} M landed"
+    return f"{counts}, error {100 * error:.0f} %" if np.isfinite(error) else counts
 
 
 def _result(
     tally: Tally,
     light: tuple[NDArray[np.float64], NDArray[np.float64]],
     receiver: Receiver,
-    sources: list[Source],
-    tracing: PhotonTracing,
-    error: float,
-    seed: int,
-    notes: list[str],
-    seconds: float,
+    meta: dict[str, Any],
+    emitted: float,
 ) -> IrradianceMap:
     """Sums to illuminance, the interval, and the account of the flux."""
-    shape, area = light[0].shape, receiver.texel_area
-    everything = tracing.direct == "traced"
-    lux = 1.0 / (area * max(tally.emitted, 1))
-    direct, caustic, indirect = (r.reshape(shape) * lux for r in tally.routes)
-    direct = direct + light[0]
-    total = tally.total(everything)
-    low, high = (b.reshape(shape) * lux for b in interval.interval(total, tally.square))
-    traced = total.reshape(shape) * lux
+    computed, spread = light
+    area = receiver.texel_area
+    lux = tally.per_photon(1.0) / area
+    direct, caustic, indirect = (r.reshape(computed.shape) * lux for r in tally.routes)
+    direct = direct + computed
     illuminance = direct + caustic + indirect
-    lower = illuminance - np.hypot(traced - low, light[1])
-    upper = illuminance + np.hypot(high - traced, light[1])
-    flux = _account(tally, float(light[0].sum()) * area, sum(s.flux for s in sources), everything)
+    total = tally.total.reshape(computed.shape) * lux
+    low, high = (
+        b.reshape(computed.shape) * lux for b in interval.interval(tally.total, tally.square)
+    )
+    lower = illuminance - np.hypot(total - low, spread)
+    upper = illuminance + np.hypot(high - total, spread)
     mean_spread = interval.Z * np.sqrt(tally.square.sum()) * lux / illuminance.size
     maps = (illuminance, direct, caustic, indirect, (upper - lower) / 2, lower, upper)
     return IrradianceMap(
@@ -296,30 +214,9 @@ def _result(
             "unit": "lx",
             "receiver": receiver.name,
             "size": [float(np.linalg.norm(receiver.u)), float(np.linalg.norm(receiver.v))],
-            "parameters": to_table(tracing),
-            "seed": seed,
-            "version": VERSION,
-            "backend": runtime.choose().backend,
-            "error": error,
-            "mean_half_width": float(np.hypot(mean_spread, light[1].mean())),
+            "mean_half_width": float(np.hypot(mean_spread, spread.mean())),
             "photons": {"emitted": tally.emitted, "landed": tally.landed},
-            "flux": flux,
-            "seconds": seconds,
-            "notes": notes,
+            "flux": tally.account(emitted, float(computed.sum()) * area),
+            **meta,
         },
     )
-
-
-def _account(tally: Tally, computed: float, emitted: float, everything: bool) -> dict[str, float]:
-    """Where the luminaires' flux in lm went.
-
-    With direct light traced every photon is followed and the parts are counted one by one. With it
-    computed, light that was not aimed lands as the direct map says, and the rest of it escapes.
-    """
-    flux = {name: value / max(tally.emitted, 1) for name, value in tally.flux.items()}
-    if not everything:
-        traced = tally.traced / max(tally.emitted, 1)
-        seen = computed - tally.direct_by_photons / max(tally.emitted, 1)
-        flux["landed"] += seen
-        flux["escaped"] += emitted - traced - seen
-    return {"emitted": emitted, **flux}

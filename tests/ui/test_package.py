@@ -1,5 +1,6 @@
 """The zip that people get: installed into a real Blender, it traces light and knows itself."""
 
+import json
 import zipfile
 from pathlib import Path
 
@@ -25,6 +26,14 @@ def test_the_installed_extension_traces_its_demo(installed_blender, tmp_path):
     script = ("--background", "--python-exit-code", "3", "--python", SCRIPT, "--", file)
     assert "picture: " in installed_blender(*script).stdout
     assert file.stat().st_size > 100_000
+
+
+def test_blender_runs_a_study_from_the_command_line(installed_blender, tmp_path):
+    out = tmp_path / "ein Ergebnis ä"
+    installed_blender("--command", "heliform", "run", "demo", "--quick", "--out", out)
+    files = json.loads((out / "result.json").read_text(encoding="utf-8"))["files"]
+    assert {"irradiance.exr", "report.html"} <= set(files)
+    assert all((out / file).is_file() for file in [*files, "scene.blend"])
 
 
 def test_the_doctor_finds_nothing_missing(installed_blender):

@@ -41,7 +41,7 @@ def steps() -> Generator[float]:
     assert not jobs.state.running
     assert bpy.context.scene.heliform.shown is None
     window.picture("cancelled")
-    tracing.error = 0.5
+    tracing.until, tracing.landed = "landed", 500_000
     window.call(bpy.ops.heliform.trace_photons, "INVOKE_DEFAULT")
     while jobs.state.running:
         yield 0.2
@@ -52,7 +52,7 @@ def steps() -> Generator[float]:
     bpy.context.scene.heliform.display.log = True
     window.call(bpy.ops.heliform.recolour)
     window.call(bpy.ops.heliform.section)
-    yield 1.0
+    yield 2.0
     window.picture("section")
     bpy.context.scene.heliform.shown.heliform_map = "half_width"
     yield 1.0

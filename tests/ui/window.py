@@ -20,7 +20,7 @@ bpy.context.preferences.view.show_splash = False
 
 
 def load() -> None:
-    """Import the checkout as ``heliform`` and register it, as Blender does with what is installed."""
+    """Import the checkout as ``heliform`` and register it, as Blender does with an extension."""
     spec = importlib.util.spec_from_file_location(
         "heliform", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
     )
