@@ -359,5 +359,6 @@ def unregister() -> None:
     for task in _tasks.values():
         shutil.rmtree(task.folder, ignore_errors=True)
     _tasks.clear()
+    if state.running:  # not now: when Blender quits, its windows are half gone
+        bpy.app.timers.register(_redraw)
     state = State()
-    _redraw()

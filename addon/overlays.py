@@ -202,7 +202,7 @@ def _band(x: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> None:
     for run in _runs(lower + upper):
         if run.stop - run.start > 1:
             pairs = np.stack([np.stack([x, edge], axis=-1)[run] for edge in (lower, upper)], axis=1)
-            _batch("UNIFORM_COLOR", "TRI_STRIP", pairs.reshape(-1, 2), _BAND)
+            _batch("UNIFORM_COLOR", "TRI_STRIP", pairs.reshape(-1, 2).astype("f4"), _BAND)
 
 
 def _runs(values: np.ndarray) -> Iterable[slice]:

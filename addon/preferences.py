@@ -20,6 +20,7 @@ class HELIFORM_preferences(bpy.types.AddonPreferences):
         description="Folder that results go into; empty puts them into a folder “heliform” beside "
         "the .blend, or among the temporary files until that is saved",
         subtype="DIR_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -77,7 +78,7 @@ def results_folder() -> Path:
     """Where the folders of results go."""
     addon = bpy.context.preferences.addons.get(PACKAGE)
     chosen = addon.preferences.folder if addon and addon.preferences else ""
-    if chosen:
+    if chosen and (bpy.data.filepath or not chosen.startswith("//")):
         return Path(bpy.path.abspath(chosen))
     if bpy.data.filepath:
         return Path(bpy.data.filepath).parent / "heliform"

@@ -140,11 +140,11 @@ def _values(picture: bpy.types.Image, kind: str) -> NDArray[np.float32]:
 def _colour(picture: bpy.types.Image, values: NDArray[np.float32], display: Display) -> None:
     quantity = QUANTITIES[picture.heliform_map]
     scale = scale_for(values, display, quantity, meta_of(picture)["unit"])
-    _fill(picture, scale.colours(values).astype(np.float32) / 255)
+    _fill(picture, scale.colours(values) / np.float32(255))
     picture[_LEGEND] = json.dumps(asdict(scale))
 
 
-def _fill(image: bpy.types.Image, colours: NDArray[np.float32]) -> None:
+def _fill(image: bpy.types.Image, colours: NDArray[np.floating]) -> None:
     """Write (rows, columns, 3) and pack it, so that it is saved with the .blend."""
     pixels = np.ones((*colours.shape[:2], 4), dtype=np.float32)
     pixels[..., :3] = colours
@@ -155,15 +155,28 @@ def _fill(image: bpy.types.Image, colours: NDArray[np.float32]) -> None:
 
 
 def _show(receiver: bpy.types.Object, picture: bpy.types.Image) -> None:
-    """Have the receiver show the picture; its own material stays with its mesh."""
+    """Have the receiver show the picture.
+
+    Its own material stays with its mesh, and what a person made of ours stays too.
+    """
     if not receiver.material_slots:
         receiver.data.materials.append(None)
     slot = receiver.material_slots[0]
     if slot.material is None or slot.material.get(_OWNER) != receiver:
         slot.link = "OBJECT"
-        slot.material = bpy.data.materials.new(f"{receiver.name} light")
-        slot.material[_OWNER] = receiver
-    tree = slot.material.node_tree
+        slot.material = _material(receiver)
+    nodes = slot.material.node_tree.nodes
+    for kind in (*CHANNELS, PICTURE):
+        if kind in nodes:
+            nodes[kind].image = _find(receiver, kind)
+            nodes.active = nodes[kind]  # the last one, the picture, is what Solid shading takes
+
+
+def _material(receiver: bpy.types.Object) -> bpy.types.Material:
+    """A material that shines in the colours of the picture, with the values at hand beside it."""
+    material = bpy.data.materials.new(f"{receiver.name} light")
+    material[_OWNER] = receiver
+    tree = material.node_tree
     tree.nodes.clear()
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     emission = tree.nodes.new("ShaderNodeEmission")
@@ -171,14 +184,11 @@ def _show(receiver: bpy.types.Object, picture: bpy.types.Image) -> None:
     tree.links.new(emission.outputs[0], output.inputs["Surface"])
     for row, kind in enumerate((PICTURE, *CHANNELS)):
         node = tree.nodes.new("ShaderNodeTexImage")
-        node.image = _find(receiver, kind)
-        node.label = kind.capitalize()
+        node.name = node.label = kind
         node.interpolation = "Closest"  # a texel is a mean over its area, not a point to blend
         node.location = (-540, -300 * row)
-        if kind == PICTURE:
-            tree.links.new(node.outputs["Color"], emission.inputs["Color"])
-            shown = node
-    tree.nodes.active = shown  # what Solid shading takes
+    tree.links.new(tree.nodes[PICTURE].outputs["Color"], emission.inputs["Color"])
+    return material
 
 
 def show_in_views(context: bpy.types.Context) -> None:

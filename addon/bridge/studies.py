@@ -75,7 +75,8 @@ def _add_body(context: bpy.types.Context, body: Body, table: dict[str, Any]) -> 
     """A glass object that stays one to be reshaped, or else a plain mesh."""
     scale = scale_of(context.scene)
     if table.get("form") == objects.GLASS:
-        preset = find_form(objects.GLASS, body.name).presets.get(table.get("preset"), GlassObject())
+        presets = find_form(objects.GLASS, body.name).presets
+        preset = presets[table["preset"]] if "preset" in table else GlassObject()
         shape = merged(to_table(preset), table.get("shape", {}))
         record = from_table(GlassObject, shape, body.name)
         obj = objects.add_glass(context, record, body.name)

@@ -158,6 +158,8 @@ def test_the_legend_and_the_section_are_drawn(picture, scene):
     table = stage.legend_of(picture).table().astype(int)
     for colour in (table[5], table[128], table[250]):
         assert (np.abs(view - colour).max(axis=-1) <= 2).any()
+    band = (44, 69, 82)  # a quarter of it over the card over grey
+    assert (np.abs(view - band).max(axis=-1) <= 2).sum() > 1000
     assert len(np.unique(view[300:, :800].reshape(-1, 3), axis=0)) == 1  # the rest is left alone
 
 
