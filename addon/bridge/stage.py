@@ -269,12 +269,16 @@ def register() -> None:
         update=_chosen,
     )
     bpy.app.handlers.load_post.append(_reopened)
+    for undone in (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post):
+        undone.append(_undone)
     _listen()
 
 
 def unregister() -> None:
     """Take both away."""
     bpy.msgbus.clear_by_owner(_owner)
+    for undone in (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post):
+        undone.remove(_undone)
     bpy.app.handlers.load_post.remove(_reopened)
     del bpy.types.Image.heliform_map
 
@@ -282,3 +286,13 @@ def unregister() -> None:
 @bpy.app.handlers.persistent
 def _reopened(*_: object) -> None:
     _listen()
+
+
+@bpy.app.handlers.persistent
+def _undone(*_: object) -> None:
+    """Undo brings packed files back, but not always the pixels that were loaded from them."""
+    for image in bpy.data.images:
+        if _KIND in image:
+            image.buffers_free()
+            image.gl_free()
+            image.update_tag()

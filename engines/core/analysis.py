@@ -13,13 +13,14 @@ from .errors import ParameterError
 from .progress import Progress
 from .scene import Mesh, Scene
 
+_ENGINES = __name__.rsplit(".", 2)[0]
 ROOMS = ("glass", "scan", "light", "sun", "structure", "explore", "caustics")
 
 
 class Run(Protocol):
     """An engine function: scene and record in, result out; deterministic for a given seed."""
 
-    def __call__(self, scene: Scene, record: Any, *, seed: int, progress: Progress) -> Any: ...
+    def __call__(self, scene: Scene, record: Any, /, *, seed: int, progress: Progress) -> Any: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,9 +65,9 @@ def _find(name: str, listed: str, where: str) -> Any:
     room = name.partition(".")[0]
     if room in ROOMS:
         try:
-            module = importlib.import_module(f"..{room}", __package__)
+            module = importlib.import_module(f"{_ENGINES}.{room}")
         except ModuleNotFoundError as missing:
-            if missing.name != f"{__package__.rpartition('.')[0]}.{room}":
+            if missing.name != f"{_ENGINES}.{room}":
                 raise
         else:
             offered = {entry.name: entry for entry in getattr(module, listed, ())}

@@ -240,7 +240,7 @@ class Display:
     palette: Literal["viridis", "radiance"] = param(
         "viridis", help="Even and safe for the colour-blind, or that of Radiance's falsecolor"
     )
-    log: bool = param(False, help="Space the colours evenly over decades")
+    log: bool = param(True, help="Space the colours evenly over decades, as caustics need")
     automatic: bool = param(True, help="Take the range from the result")
     low: float = param(0.0, "", help="Value of the first colour; on a log scale 0 is high / 1000")
     high: float = param(1000.0, "", help="Value of the last colour")

@@ -33,7 +33,7 @@ class Field:
     high: float | None
     help: str
     choices: tuple[str, ...] = ()
-    record: type | None = None
+    record: Any = None
 
     @property
     def label(self) -> str:
@@ -137,7 +137,7 @@ def check_value(field: Field, value: Any, where: str) -> Any:
     if field.kind == "record":
         if not isinstance(value, Mapping):
             raise ParameterError(f"{said} should be a table of parameters.")
-        return from_table(typing.cast(type, field.record), value, f"{where}.{field.name}")
+        return from_table(field.record, value, f"{where}.{field.name}")
     if field.kind == "enum":
         if value not in field.choices:
             raise ParameterError(f"{said} is not a choice; take one of {', '.join(field.choices)}.")

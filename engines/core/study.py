@@ -92,7 +92,7 @@ def load_study(
         raise ParameterError(
             f"[{path.name}] seed = {number!r} is out of bounds; allowed is 0 to 2147483647."
         )
-    variants = table.get("cases", {}) or {"": {}}
+    variants: dict[str, Any] = table.get("cases", {}) or {"": {}}
     return Study(
         name=path.stem,
         title=table.get("title", path.stem),
@@ -134,8 +134,9 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     result = dict(base)
     for key, value in over.items():
         below = result.get(key)
-        both = isinstance(below, Mapping) and isinstance(value, Mapping)
-        result[key] = merged(below, value) if both else value
+        if isinstance(below, Mapping) and isinstance(value, Mapping):
+            value = merged(below, value)
+        result[key] = value
     return result
 
 
@@ -180,7 +181,7 @@ def _body(name: str, table: Mapping[str, Any], path: Path) -> Body:
 def _formed(table: Mapping[str, Any], where: str) -> Mesh:
     """The mesh of a form, its shape laid over a preset where one is named."""
     form = find_form(table["form"], where)
-    shape = table.get("shape", {})
+    shape: Mapping[str, Any] = table.get("shape", {})
     preset = table.get("preset")
     if preset is not None:
         if preset not in form.presets:

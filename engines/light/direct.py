@@ -46,8 +46,8 @@ def direct_light(
         return np.array([lit.share(texels, rays, int(s)) for s in seeds])
 
     seen = shares(every, FIRST, 0)
-    mixed = (seen.min(axis=0) != seen.max(axis=0)).reshape(shape)
-    mixed = binary_dilation(mixed, iterations=MARGIN).ravel()
+    edges = (seen.min(axis=0) != seen.max(axis=0)).reshape(shape)
+    mixed = np.asarray(binary_dilation(edges, iterations=MARGIN), dtype=bool).ravel()
     value, spread = seen.mean(axis=0), np.zeros(every.shape)
     if mixed.any():
         finer = shares(every[mixed], MORE, 1)

@@ -111,12 +111,13 @@ def trace(
 
 
 def _receiver(scene: Scene) -> Receiver:
-    if not scene.receivers:
-        raise SceneError("There is no receiver to trace onto; add one in Heliform › Light.")
-    if len(scene.receivers) > 1:
-        names = ", ".join(f"“{r.name}”" for r in scene.receivers)
-        raise SceneError(f"There is more than one receiver ({names}); switch off all but one.")
-    return scene.receivers[0]
+    match scene.receivers:
+        case ():
+            raise SceneError("There is no receiver to trace onto; add one in Heliform › Light.")
+        case (receiver,):
+            return receiver
+    names = ", ".join(f"“{r.name}”" for r in scene.receivers)
+    raise SceneError(f"There is more than one receiver ({names}); switch off all but one.")
 
 
 def _repaired(scene: Scene, notes: list[str]) -> Scene:
