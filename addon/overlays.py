@@ -272,7 +272,7 @@ def _width(text: str, unit: float) -> float:
 
 
 def _count(number: int) -> str:
-    return f"{number / 1e6:.1f} M" if number >= 1e6 else f"{number:,}"
+    return f"{number / 1e6:.1f} M" if number >= 1e6 else f"{number:,}".replace(",", "\u2009")
 
 
 _handle: Any = None

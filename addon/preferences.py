@@ -38,7 +38,7 @@ class HELIFORM_OT_doctor(bpy.types.Operator):
 
     bl_idname = "heliform.doctor"
     bl_label = "Doctor"
-    bl_options = set()  # noqa: RUF012
+    bl_options = set()
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Print the lines and keep them in a text."""

@@ -32,7 +32,7 @@ class HELIFORM_OT_add_glass_object(ObjectMode, Operator):
 
     bl_idname = "heliform.add_glass_object"
     bl_label = "Add Glass"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = {"REGISTER", "UNDO"}
 
     preset: EnumProperty(
         name="Preset",
@@ -66,7 +66,7 @@ class HELIFORM_OT_reshape_glass(Reporting, Operator):
 
     bl_idname = "heliform.reshape_glass"
     bl_label = "Preset"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = {"REGISTER", "UNDO"}
 
     preset: EnumProperty(name="Preset", items=_PRESETS)
 
@@ -112,7 +112,7 @@ class HELIFORM_OT_repair_glass(_OnMeshes, Operator):
 
     bl_idname = "heliform.repair_glass"
     bl_label = "Repair"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = {"REGISTER", "UNDO"}
 
     def act(self, context: Context) -> str:
         """Repair each; where a mesh has to change, its modifiers and shape keys are applied."""

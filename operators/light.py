@@ -37,7 +37,7 @@ class HELIFORM_OT_recolour(_OnResult, Operator):
 
     bl_idname = "heliform.recolour"
     bl_label = "Recolour"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = {"REGISTER", "UNDO"}
 
     def act(self, context: Context) -> None:
         """Colour the shown picture. Raises ParameterError for a range that is none."""
@@ -50,7 +50,7 @@ class HELIFORM_OT_section(_OnResult, Operator):
 
     bl_idname = "heliform.section"
     bl_label = "Section"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = {"REGISTER", "UNDO"}
 
     def act(self, context: Context) -> str:
         """Write the section beside the result and plot it in the view."""
@@ -72,7 +72,7 @@ class HELIFORM_OT_clear_section(_OnResult, Operator):
 
     bl_idname = "heliform.clear_section"
     bl_label = "Hide Section"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = {"REGISTER", "UNDO"}
 
     def act(self, context: Context) -> None:
         """Forget the section; its text and files stay."""
@@ -84,7 +84,7 @@ class HELIFORM_OT_add_section_line(_OnResult, Operator):
 
     bl_idname = "heliform.add_section_line"
     bl_label = "Add Section Line"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context: Context) -> bool:

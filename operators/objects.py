@@ -35,7 +35,7 @@ class HELIFORM_OT_add_lamp(ObjectMode, Operator):
 
     bl_idname = "heliform.add_lamp"
     bl_label = "Add Lamp"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = {"REGISTER", "UNDO"}
 
     def act(self, context: Context) -> None:
         """Add the lamp; what keeps it from shining is shown in the panel."""
@@ -56,7 +56,7 @@ class HELIFORM_OT_add_receiver(ObjectMode, Operator):
 
     bl_idname = "heliform.add_receiver"
     bl_label = "Add Receiver"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = {"REGISTER", "UNDO"}
 
     def act(self, context: Context) -> None:
         """Add the receiver."""
@@ -75,7 +75,7 @@ class HELIFORM_OT_mark_as(Reporting, Operator):
 
     bl_idname = "heliform.mark_as"
     bl_label = "Mark As"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = {"REGISTER", "UNDO"}
 
     role: EnumProperty(
         name="Role",
@@ -118,7 +118,7 @@ class HELIFORM_OT_select(ObjectMode, Operator):
 
     bl_idname = "heliform.select"
     bl_label = "Select"
-    bl_options = {"INTERNAL", "UNDO"}  # noqa: RUF012
+    bl_options = {"INTERNAL", "UNDO"}
 
     name: StringProperty(options={"HIDDEN"})
 
@@ -135,7 +135,7 @@ class HELIFORM_OT_add_demo(ObjectMode, Operator):
 
     bl_idname = "heliform.add_demo"
     bl_label = "Demo Scene"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = {"REGISTER", "UNDO"}
 
     def act(self, context: Context) -> None:
         """Experiment A: a tube 1 mm above the plane, the lamp 0.22 m over the plane."""

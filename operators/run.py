@@ -24,7 +24,7 @@ class RunAnalysis:
 
     analysis: Analysis
     bl_label: str
-    bl_options = set()  # noqa: RUF012
+    bl_options = set()
     report: Any
 
     @classmethod
@@ -70,7 +70,7 @@ class HELIFORM_OT_cancel_job(Operator):
 
     bl_idname = "heliform.cancel_job"
     bl_label = "Cancel"
-    bl_options = set()  # noqa: RUF012
+    bl_options = set()
 
     @classmethod
     def poll(cls, context: Context) -> bool:
@@ -88,7 +88,7 @@ class HELIFORM_OT_export_study(Reporting, Operator):
 
     bl_idname = "heliform.export_study"
     bl_label = "Export Study"
-    bl_options = set()  # noqa: RUF012
+    bl_options = set()
 
     directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN"})
     filter_folder: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
@@ -114,7 +114,7 @@ class HELIFORM_OT_load_study(Reporting, Operator):
 
     bl_idname = "heliform.load_study"
     bl_label = "Load Study"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = {"REGISTER", "UNDO"}
 
     filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN"})
     filter_glob: StringProperty(default="*.toml", options={"HIDDEN"})
@@ -146,7 +146,7 @@ class HELIFORM_OT_open_report(Reporting, Operator):
 
     bl_idname = "heliform.open_report"
     bl_label = "Open Report"
-    bl_options = set()  # noqa: RUF012
+    bl_options = set()
 
     @classmethod
     def poll(cls, context: Context) -> bool:

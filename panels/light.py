@@ -57,7 +57,7 @@ class HELIFORM_PT_light_more(Room, Panel):
 
     bl_parent_id = "HELIFORM_PT_light"
     bl_label = "Settings"
-    bl_options = {"DEFAULT_CLOSED"}  # noqa: RUF012
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
         """Everything but when to stop."""
@@ -146,7 +146,7 @@ class HELIFORM_PT_study(Room, Panel):
     """The scene as a file that runs anywhere, and back"""
 
     bl_label = "Study"
-    bl_options = {"DEFAULT_CLOSED"}  # noqa: RUF012
+    bl_options = {"DEFAULT_CLOSED"}
     bl_order = 100
 
     def draw(self, context: Context) -> None:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def draw(result: "IrradianceMap", folder: Path, display: Display) -> list[str]:
-    """Write illuminance.png, caustic.png where there is any, section.png and section.csv.
+    """Write illuminance.png, smooth.png, caustic.png where there is any, section.png and .csv.
 
     Returns their names. Raises FileError where they cannot be written.
     """
@@ -20,7 +20,9 @@ def draw(result: "IrradianceMap", folder: Path, display: Display) -> list[str]:
     scale = scale_for(result.illuminance, display, "Illuminance", "lx")
     title = f"{result.meta['receiver']}: illuminance"
     false_colour_png(folder / "illuminance.png", result.illuminance, scale, title, note)
-    files = ["illuminance.png"]
+    title = f"{result.meta['receiver']}: illuminance, smoothed"
+    false_colour_png(folder / "smooth.png", result.smooth, scale, title, note)
+    files = ["illuminance.png", "smooth.png"]
     if result.caustic.any():
         scale = scale_for(result.caustic, display, "Caustic illuminance", "lx")
         title = f"{result.meta['receiver']}: light through glass and from mirrors"

@@ -11,7 +11,7 @@ from ..core import exr
 from ..core.colour import Display
 
 Map = NDArray[np.float32]
-MAPS = ("illuminance", "direct", "caustic", "indirect", "half_width", "lower", "upper")
+MAPS = ("illuminance", "direct", "caustic", "indirect", "half_width", "lower", "upper", "smooth")
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,9 @@ class IrradianceMap:
     All maps (rows, columns) float32 in lx, row 0 at v = 0. ``illuminance`` is the sum of
     ``direct`` (no body met on the way), ``caustic`` (only mirrors and glass met) and ``indirect``
     (scattered by a matte surface); texel means, unfiltered. ``lower`` and ``upper`` bound it with
-    95 % confidence, ``half_width`` is half their distance.
+    95 % confidence, ``half_width`` is half their distance. ``smooth`` is the illuminance with the
+    traced light gathered over as many texels as it needs (`kernel.smoothed`): for the eye, and
+    where few photons must do; its blur is in no interval.
 
     ``meta`` says quantity, unit, receiver, size (m), parameters, seed, version, photons, flux (lm),
     error, seconds and notes.
@@ -34,6 +36,7 @@ class IrradianceMap:
     half_width: Map
     lower: Map
     upper: Map
+    smooth: Map
     meta: dict[str, Any]
 
     @property

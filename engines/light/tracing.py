@@ -13,7 +13,7 @@ from ..core.errors import SceneError
 from ..core.parameters import param, to_table
 from ..core.progress import SILENT, Progress, part
 from ..core.scene import Body, Receiver, Scene
-from . import interval
+from . import interval, kernel
 from .irradiance import IrradianceMap
 from .luminaires import source
 from .tally import Tally
@@ -207,7 +207,13 @@ def _result(
     lower = illuminance - np.hypot(total - low, spread)
     upper = illuminance + np.hypot(high - total, spread)
     mean_spread = interval.Z * np.sqrt(tally.square.sum()) * lux / illuminance.size
-    maps = (illuminance, direct, caustic, indirect, (upper - lower) / 2, lower, upper)
+    smooth = (
+        illuminance
+        - total
+        + lux
+        * kernel.smoothed(tally.total.reshape(computed.shape), tally.square.reshape(computed.shape))
+    )
+    maps = (illuminance, direct, caustic, indirect, (upper - lower) / 2, lower, upper, smooth)
     return IrradianceMap(
         *(m.astype(np.float32) for m in maps),
         meta={

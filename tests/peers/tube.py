@@ -1,0 +1,29 @@
+"""The scene of the comparison: Table 1's tube above a plane, under the sample lamp."""
+
+from dataclasses import replace
+
+import numpy as np
+from heliform.engines.core.scene import Body, Lamp, Luminaire, Material, Mesh, Scene
+from heliform.engines.glass import TABLE_1, glass_object
+from light import scenes
+
+LIFT, GAP, PLANE = 1e-3, 0.22, 0.8
+"""Metres from the plane to the tube, from the tube to the lamp, and along the plane's side."""
+LAMP = LIFT + TABLE_1["tube"].height + GAP
+IOR = 1.5
+
+
+def tube(faces: int = TABLE_1["tube"].faces) -> Mesh:
+    """The printed tube where it stands, a hair above the plane."""
+    shift = np.eye(4)
+    shift[2, 3] = LIFT
+    return glass_object(replace(TABLE_1["tube"], faces=faces)).moved(shift)
+
+
+def scene(mesh: Mesh, size: int, ior: float = IOR) -> Scene:
+    """The tube between the lamp and a plane of ``size`` × ``size`` texels."""
+    return scenes.scene(
+        Body("Tube", mesh, Material(kind="dielectric", ior=ior)),
+        lamp=Luminaire("Lamp", Lamp(), scenes.at(z=LAMP)),
+        receiver=scenes.floor(PLANE, size),
+    )
