@@ -4,6 +4,7 @@ Mitsuba offsets rays by an amount that grows with the coordinates; in a metre-sc
 skip thin printed walls. Therefore all bodies are brought to millimetres about their common centre.
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -64,8 +65,13 @@ def build(scene: Scene) -> Stage:
     handle["faces"] = faces.ravel()
     handle.update()
     kinds = frozenset(body.material.kind for body in scene.bodies)
-    loaded = mi.load_dict({"type": "scene", "bodies": mesh})
-    middle, radius = aim.cover(vertices, faces)
+    # The ray-tracing tree takes longest and lets others compute meanwhile.
+    with ThreadPoolExecutor(1) as aside:
+        checked = aside.submit(_require_solids, scene.bodies)
+        covered = aside.submit(aim.cover, vertices, faces)
+        loaded = mi.load_dict({"type": "scene", "bodies": mesh})
+        checked.result()
+        middle, radius = covered.result()
     balls = middle / MM + centre, radius / MM
     return Stage(centre, loaded, mi.Float(records.ravel()), reach, kinds, balls)
 
@@ -77,8 +83,12 @@ def _check(body: Body) -> None:
         raise SceneError(
             f"“{body.name}” has vertices that are not finite numbers; rebuild its mesh."
         )
-    if body.material.kind == "dielectric":
-        require_solid(body.name, body.mesh)
+
+
+def _require_solids(bodies: tuple[Body, ...]) -> None:
+    for body in bodies:
+        if body.material.kind == "dielectric":
+            require_solid(body.name, body.mesh)
 
 
 def _soup(
@@ -91,6 +101,8 @@ def _soup(
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         area = np.linalg.norm(normal, axis=1)
         keep = area > 0
+        if not keep.any():
+            raise SceneError(f"“{body.name}” has no face with an area; rebuild its mesh.")
         normal = normal[keep] / area[keep, None]
         record = np.empty((len(normal), RECORD), np.float32)
         smooth = mesh.normals[keep] if mesh.normals is not None else normal[:, None].repeat(3, 1)

@@ -84,6 +84,13 @@ def test_a_body_without_faces_is_named():
         trace(with_body(empty), QUICK)
 
 
+@pytest.mark.parametrize("material", [scenes.GLASS, Material(kind="mirror")])
+def test_a_body_whose_faces_have_no_area_is_named(material):
+    line = Mesh(np.zeros((3, 3)), np.array([[0, 1, 2]], np.int32))
+    with pytest.raises(SceneError, match="Vase ä/1"):
+        trace(Scene((Body("Vase ä/1", line, material),), (LAMP,), (FLOOR,)), QUICK)
+
+
 def test_vertices_that_are_no_numbers_are_named():
     vertices = BALL.vertices.copy()
     vertices[5] = np.nan

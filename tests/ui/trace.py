@@ -37,8 +37,9 @@ def steps() -> Generator[float]:
     gaps.say("while tracing")
     window.picture("running")
     window.call(bpy.ops.heliform.cancel_job)
-    yield 1.5
-    assert not jobs.state.running
+    while jobs.state.running:
+        yield 0.1
+    yield 0.5
     assert bpy.context.scene.heliform.shown is None
     window.picture("cancelled")
     tracing.until, tracing.landed = "landed", 500_000
