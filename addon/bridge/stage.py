@@ -18,16 +18,18 @@ from ...engines.light import IrradianceMap
 from ..properties import enum_items, group_for, read
 
 CHANNELS = {
-    "illuminance": ("illuminance", "illuminance", "illuminance"),
+    "illuminance": ("illuminance",) * 3,
+    "smooth": ("smooth",) * 3,
     "parts": ("direct", "caustic", "indirect"),
     "interval": ("lower", "upper", "half_width"),
 }
 """The float images of a result, and which map is in their red, green and blue."""
 
 PICTURE = "false colour"
-SHOWABLE = ("illuminance", "caustic", "direct", "indirect", "half_width")
+SHOWABLE = ("illuminance", "smooth", "caustic", "direct", "indirect", "half_width")
 QUANTITIES = {
     "illuminance": "Illuminance",
+    "smooth": "Smoothed illuminance",
     "caustic": "Caustic light",
     "direct": "Direct light",
     "indirect": "Scattered light",
@@ -231,7 +233,8 @@ def _changed() -> None:
 
 def _map_items() -> list[tuple[str, str, str, int]]:
     helps = (
-        "All light that lands",
+        "All light that lands, as it was counted",
+        "All light that lands, gathered over as many texels as it needs: for the eye",
         "Light that came through glass or off mirrors alone",
         "Light that met nothing on its way from the lamp",
         "Light that a matte surface scattered",
