@@ -111,7 +111,7 @@ def _run(options: argparse.Namespace) -> int:
 
 def _compute(study: Path, out: Path, given: dict[str, Any], line: "_Line") -> list[str]:
     """Run the study: in Blender by the worker that jobs have, elsewhere in this process."""
-    if "bpy" in sys.modules and sys.modules["bpy"].app.binary_path and not given["settings"]:
+    if "bpy" in sys.modules and sys.modules["bpy"].app.binary_path:
         return _compute_apart(study, out, given, line)
     from ..engines.core.run import run_study
 
@@ -122,7 +122,7 @@ def _compute_apart(study: Path, out: Path, given: dict[str, Any], line: "_Line")
     from .jobs import new_worker, result_of
 
     with new_worker() as worker:
-        job = worker.submit(study, out, given["quick"], given["seed"])
+        job = worker.submit(study, out, **given)
         while True:
             for event in worker.poll():
                 if isinstance(event, Ended):

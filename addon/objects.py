@@ -53,11 +53,12 @@ def add_receiver(context: bpy.types.Context, record: Plane, name: str) -> bpy.ty
 
 
 def add_demo(context: bpy.types.Context, glass: GlassObject) -> None:
-    """A glass object 1 mm above a receiver, and a lamp 22 cm over the receiver."""
+    """A glass object 1 mm above a receiver, and a lamp 22 cm over the receiver, which is active."""
     receiver = add_receiver(context, Plane(), "Receiver")
     lamp = add_lamp(context, Lamp(), "Lamp")
     lamp.location.z = receiver.location.z + _LAMP_HEIGHT / scale_of(context.scene)
     add_glass(context, glass, "Tube")
+    select_only(context, receiver)  # short settings: the Light panel stays in view
 
 
 def rebuild(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:

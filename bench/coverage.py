@@ -85,7 +85,7 @@ def measure(seeds: int, size: int, error: float, references: int = REFERENCES) -
 
 def main() -> None:
     """Run the bench and print its table."""
-    from fresh import OUT, save, table
+    from _shared import OUT, save, table
 
     parser = argparse.ArgumentParser(description="Coverage of the 95 % interval")
     parser.add_argument("--seeds", type=int, default=200)
@@ -96,9 +96,7 @@ def main() -> None:
     figures = measure(asked.seeds, asked.size, asked.error)
     rows = [*figures["classes"], {"hits": f"≥ {MANY}", **figures["many"]}]
     rows.append({"hits": f"< {MANY}", **figures["few"]})
-    percent = [
-        [r["hits"], r["cases"], 100 * r["within"], 100 * r["below_upper"]] for r in rows
-    ]
+    percent = [[r["hits"], r["cases"], 100 * r["within"], 100 * r["below_upper"]] for r in rows]
     head = ["expected hits", "cases", "within %", "below upper %"]
     table(head, percent, f"Coverage over {asked.seeds} seeds, {figures['landed']:,} photons each")
     save("coverage", figures, asked.out)

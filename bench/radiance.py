@@ -13,11 +13,12 @@ each target the fastest cell that reaches it counts. Its caustic is read from th
 rtrace casts no shadow rays, and its emission is set as finely as it needs to be (see
 `peers.radiance`).
 
-Ours: `trace`, unfiltered texel means, or twice the resolution under a Gaussian of the best of the
-published widths, a simple kernel as Radiance's is. How many photons a target needs follows from the
-reference; the error printed is that of the run itself. “caustic” is mesh file, scene and photons;
-“whole” adds what Radiance is not asked for or starts without: process and imports and direct light.
-Cold is without compiled kernels on disk.
+Ours: `trace` with unfiltered texel means; at twice the resolution with the smooth map that it also
+makes; and at twice the resolution under one Gaussian, the best of the published widths, as simple a
+kernel as Radiance's. How many photons a target needs follows from the reference; the error printed
+is that of the run itself. “caustic” is mesh file, scene and photons; “whole” adds what Radiance is
+not asked for or starts without: process, imports and direct light. Cold is without compiled kernels
+on disk.
 """
 
 import argparse
@@ -26,21 +27,26 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from fresh import OUT, cell, save, table, work
+from _shared import OUT, cell, save, table, work
 from scipy.ndimage import gaussian_filter
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from heliform.engines.core.meshes import save_mesh  # noqa: E402
+from heliform.engines.light import kernel  # noqa: E402
 from heliform.engines.light.ies import sample_path  # noqa: E402
 from peers import radiance, tube  # noqa: E402
 
 PHOTONS = (100_000, 300_000, 1_000_000, 2_000_000, 4_000_000, 8_000_000)
 BANDWIDTHS = ((20,), (50,), (100,), (200,), (400,), (20, 200))
 WIDTHS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6)
+MOST = 170
+"""Steps of 5 % in photons, from 20,000 to 80 million."""
 FLOOR = 0.05
 REFERENCE = 60_000_000
 BLOCKS = 64
+Filter = str | float
+"""“none”, “smooth”, or the width of a Gaussian in texels of half the size."""
 
 
 def block_mean(values, count: int):
@@ -71,22 +77,21 @@ class Reference:
         ratio = values[self.bright] / self.texels[self.bright] - 1
         return float(np.sqrt(max(np.mean(ratio**2) - self.noise, 0.0)))
 
-    def expected_error(self, landed: int, sigma: float) -> float:
-        """The error that ``landed`` photons will have, ``sigma`` texels of ``fine`` wide or 0.
-
-        Simulated: Poisson counts with the reference's expectation.
-        """
+    def expected_error(self, landed: int, how: Filter) -> float:
+        """The error that ``landed`` photons will have: Poisson counts, drawn and filtered."""
         unit = self.fine.sum() / landed
-        counts = np.random.default_rng(7).poisson(self.fine / unit) * unit
-        if sigma:
-            counts = gaussian_filter(counts, sigma, mode="nearest")
-        ratio = block_mean(counts, len(self.texels))[self.bright] / self.texels[self.bright] - 1
+        found = np.random.default_rng(7).poisson(self.fine / unit) * unit
+        if how == "smooth":
+            found = kernel.smoothed(found, found * unit)
+        elif how != "none":
+            found = gaussian_filter(found, how, mode="nearest")
+        ratio = block_mean(found, len(self.texels))[self.bright] / self.texels[self.bright] - 1
         return float(np.sqrt(np.mean(ratio**2)))
 
-    def photons_for(self, target: float, sigma: float) -> int | None:
+    def photons_for(self, target: float, how: Filter) -> int | None:
         """The fewest photons, in steps of 5 %, or None where blur alone is more than ``target``."""
-        steps = (20_000 * 1.05 ** np.arange(200)).astype(int)
-        if self.expected_error(int(steps[-1]), sigma) > target:
+        steps = (20_000 * 1.05 ** np.arange(MOST)).astype(int)
+        if self.expected_error(int(steps[-1]), how) > target:
             return None
         low, high = 0, len(steps) - 1
         while low < high:
@@ -151,19 +156,18 @@ def cross_check(folder: Path, truth: Reference, size: int) -> dict:
     }
 
 
-def ours(mesh: Path, truth: Reference, target: float, size: int, sigma: float, landed: int) -> dict:
+def ours(mesh: Path, truth: Reference, target: float, size: int, how: Filter, landed: int) -> dict:
     """One run from the mesh file, without kernels on disk and again with them."""
     with tempfile.TemporaryDirectory() as cache:
         out = Path(cache) / "map.npy"
-        settings = {"until": "landed", "landed": landed, "seed": 2, "out": str(out)}
-        if sigma:
-            settings["sigma"] = sigma
-        texels = 2 * size if sigma else size
+        settings = {"until": "landed", "landed": landed, "seed": 2, "filter": how}
+        settings["out"] = str(out)
+        texels = size if how == "none" else 2 * size
         cold, warm = (work(mesh, texels, [settings], Path(cache)) for _ in range(2))
         error = truth.error(block_mean(np.load(out).astype(np.float64), size))
     figures = {
         "target": target,
-        "filter": f"σ {sigma:g}" if sigma else "none",
+        "filter": how if isinstance(how, str) else f"σ {how:g}",
         "landed": warm["runs"][0]["photons"]["landed"],
         "error": error,
         "start": warm["start"],
@@ -178,15 +182,12 @@ def ours(mesh: Path, truth: Reference, target: float, size: int, sigma: float, l
     return figures
 
 
-def plan(truth: Reference, target: float) -> list[tuple[float, int]]:
-    """Width and photons for a target: unfiltered, and the width that needs fewest photons."""
-    needed = {sigma: truth.photons_for(target, sigma) for sigma in WIDTHS}
-    possible = {sigma: count for sigma, count in needed.items() if count}
-    plans = [(0.0, truth.photons_for(target, 0.0))]
-    if possible:
-        best = min(possible, key=possible.get)
-        plans.append((best, possible[best]))
-    return [(sigma, count) for sigma, count in plans if count]
+def plan(truth: Reference, target: float) -> list[tuple[Filter, int]]:
+    """Filters and photons for a target; of all Gaussians the one that needs fewest photons."""
+    plans = [(how, truth.photons_for(target, how)) for how in ("none", "smooth")]
+    gaussians = [(width, truth.photons_for(target, width)) for width in WIDTHS]
+    best = min(gaussians, key=lambda p: p[1] or np.inf)
+    return [(how, count) for how, count in (*plans, best) if count]
 
 
 def fastest(cells: list[dict], target: float) -> dict | None:
@@ -250,9 +251,9 @@ def main() -> None:
             f" % of it by chance; flux {100 * check['flux']:.2f} % of ours."
         )
         runs = [
-            ours(folder / "tube.npz", truth, target, asked.size, sigma, count)
+            ours(folder / "tube.npz", truth, target, asked.size, how, count)
             for target in targets
-            for sigma, count in plan(truth, target)
+            for how, count in plan(truth, target)
             if not (asked.quick and count > 10_000_000)
         ]
     ratios = report(cells, runs, targets)

@@ -56,6 +56,7 @@ class Job:
     out: Path
     quick: bool
     seed: int | None
+    settings: tuple[str, ...]
 
     @property
     def part(self) -> Path:
@@ -159,10 +160,19 @@ class Worker:
         self._send({"warm": rooms})
 
     def submit(
-        self, study: str | Path, out: str | Path, quick: bool = False, seed: int | None = None
+        self,
+        study: str | Path,
+        out: str | Path,
+        quick: bool = False,
+        seed: int | None = None,
+        settings: Sequence[str] = (),
     ) -> Job:
-        """Run the study file into the folder ``out`` once the jobs before it have ended."""
-        job = Job(next(self._ids), Path(study).absolute(), Path(out).absolute(), quick, seed)
+        """Run the study file into the folder ``out`` once the jobs before it have ended.
+
+        ``quick``, ``seed`` and ``settings`` are those of `run.run_study`.
+        """
+        places = Path(study).absolute(), Path(out).absolute()
+        job = Job(next(self._ids), *places, quick, seed, tuple(settings))
         self._waiting.append(job)
         self._update()
         return job
@@ -240,6 +250,7 @@ class Worker:
                 "out": str(job.out),
                 "quick": job.quick,
                 "seed": job.seed,
+                "settings": job.settings,
             }
         )
 

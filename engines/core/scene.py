@@ -83,11 +83,13 @@ class Mesh:
     def moved(self, matrix: NDArray[np.floating[Any]]) -> "Mesh":
         """The mesh under a 4×4 affine ``matrix``; a mirroring one turns the faces about."""
         linear, shift = matrix[:3, :3], matrix[:3, 3]
+        if np.array_equal(linear, np.eye(3)):
+            return Mesh(self.vertices + shift, self.faces, self.normals)
         vertices = self.vertices @ linear.T + shift
         normals = self.normals
         if normals is not None:
-            turned = normals @ np.linalg.inv(linear)
-            normals = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
+            turned = normals @ np.linalg.inv(linear).astype(np.float32)
+            normals = turned / np.sqrt(np.einsum("...i,...i", turned, turned))[..., None]
         faces = self.faces
         if np.linalg.det(linear) < 0:
             faces = faces[:, ::-1]

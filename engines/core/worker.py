@@ -2,7 +2,8 @@
 
 Both are JSON, an object a line. Requests:
 
-    {"job": 7, "study": "…/study.toml", "out": "…/results", "quick": false, "seed": null}
+    {"job": 7, "study": "…/study.toml", "out": "…/results", "quick": false, "seed": null,
+     "settings": []}
     {"cancel": 7}
     {"warm": ["light"]}     load what these rooms need, before a job asks for it
 
@@ -22,6 +23,7 @@ import json
 import os
 import platform
 import traceback
+from collections.abc import Sequence
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Event, Thread
@@ -38,7 +40,14 @@ class Run(Protocol):
     """What does a job: `run_study`, or a stand-in for it."""
 
     def __call__(
-        self, study_path: Path, out: Path, *, quick: bool, seed: int | None, progress: Progress
+        self,
+        study_path: Path,
+        out: Path,
+        *,
+        quick: bool,
+        seed: int | None,
+        settings: Sequence[str],
+        progress: Progress,
     ) -> Any: ...
 
 
@@ -133,6 +142,7 @@ def _attempt(request: dict[str, Any], run: Run, progress: Progress) -> dict[str,
             Path(request["out"]),
             quick=request["quick"],
             seed=request["seed"],
+            settings=request["settings"],
             progress=progress,
         )
     except Cancelled:

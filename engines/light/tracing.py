@@ -33,7 +33,7 @@ class PhotonTracing:
         "error", help="Stop at the asked error, at a count of landed photons, or after a time"
     )
     error: float = param(
-        0.25, "", 0.005, 1.0, "95 % half-width ÷ mean of the traced light, over texels above 5 %"
+        0.5, "", 0.005, 1.0, "95 % half-width ÷ mean of the traced light, over texels above 5 %"
     )
     landed: int = param(1_000_000, "", 1000, 200_000_000, "Photons to land on the receiver")
     seconds: float = param(30.0, "s", 0.1, 86400.0, "Time to trace for")

@@ -19,9 +19,9 @@ def steps(out, progress, **asked):
         progress(done / 5, f"Step {done}")
 
 
-def echo(out, progress, study, quick, seed):
+def echo(out, progress, study, quick, seed, settings):
     out.mkdir()
-    (out / "echo.txt").write_text(f"{study}\n{quick} {seed}", encoding="utf-8")
+    (out / "echo.txt").write_text(f"{study}\n{quick} {seed} {settings}", encoding="utf-8")
 
 
 def endless(out, progress, **asked):
@@ -57,10 +57,9 @@ def crash(out, progress, **asked):
     ctypes.string_at(0)
 
 
-def run(study_path, out, *, quick, seed, progress):
+def run(study_path, out, *, progress, **asked):
     trick = globals()[study_path.stem]
-    asked = {"study": study_path, "quick": quick, "seed": seed} if trick is echo else {}
-    trick(out, progress, **asked)
+    trick(out, progress, study=study_path, **asked)
 
 
 if __name__ == "__main__":

@@ -60,10 +60,10 @@ def test_waiting_for_one_job_keeps_the_events_of_others(worker, tmp_path):
 def test_paths_and_options_arrive_as_they_are(worker, tmp_path):
     folder = tmp_path / "Häuser & “Glas” 日本"
     folder.mkdir()
-    ended = worker.wait(worker.submit(folder / "echo.toml", folder / "out ä", True, 7))
+    ended = worker.wait(worker.submit(folder / "echo.toml", folder / "out ä", True, 7, ["a.b=1"]))
     assert ended.out == folder / "out ä"
     text = (ended.out / "echo.txt").read_text(encoding="utf-8")
-    assert text == f"{folder / 'echo.toml'}\nTrue 7"
+    assert text == f"{folder / 'echo.toml'}\nTrue 7 ['a.b=1']"
 
 
 def test_a_mistake_is_one_sentence_and_a_bug_keeps_its_traceback(worker, tmp_path):

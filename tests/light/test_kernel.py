@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from heliform.engines.light import PhotonTracing, trace
 from heliform.engines.light.kernel import smoothed
-
 from light import scenes
 
 

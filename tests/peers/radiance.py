@@ -61,8 +61,7 @@ def describe(folder: Path, lamp: Path, height: float, receiver: Receiver, ior: f
     o, u, v = receiver.origin, receiver.u, receiver.v
     corners = " ".join(f"{c:.7g}" for point in (o, o + u, o + u + v, o + v) for c in point)
     (folder / "plane.rad").write_text(
-        "void plastic black 0 0 5 .001 .001 .001 0 0\n"
-        f"black polygon plane 0 0 12 {corners}\n"
+        f"void plastic black 0 0 5 .001 .001 .001 0 0\nblack polygon plane 0 0 12 {corners}\n"
     )
     (folder / "glass.rad").write_text(
         f"!{pyradiance.BINPATH / 'xform'} -t 0 0 {height} lamp.rad\n"

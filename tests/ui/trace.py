@@ -19,8 +19,7 @@ import window
 def steps() -> Generator[float]:
     window.load()
     yield from window.open_sidebar()
-    from heliform.addon import jobs
-
+    jobs = window.jobs()
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
     window.call(bpy.ops.heliform.add_demo)

@@ -27,8 +27,7 @@ def pixels(name: str) -> np.ndarray:
 
 def trace(**settings: object) -> Generator[float]:
     """Press the button and wait for the end."""
-    from heliform.addon import jobs
-
+    jobs = window.jobs()
     for name, value in settings.items():
         setattr(bpy.context.scene.heliform.photon_tracing, name, value)
     window.call(bpy.ops.heliform.trace_photons, "INVOKE_DEFAULT")
@@ -39,8 +38,7 @@ def trace(**settings: object) -> Generator[float]:
 
 def steps() -> Generator[float]:
     window.load()
-    from heliform.addon import jobs
-
+    jobs = window.jobs()
     yield from window.open_sidebar()
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
@@ -91,7 +89,7 @@ def steps() -> Generator[float]:
     yield 2.0
     assert not jobs.state.running
     assert not jobs._tasks
-    sys.modules["heliform"].unregister()
+    sys.modules[window.package()].unregister()
     yield 0.5
 
 

@@ -4,13 +4,16 @@ A script for ``blender --python`` makes a generator of steps and hands it to `pl
 yields the seconds until the next one. Pictures are taken of the whole screen, by ImageMagick.
 """
 
+import importlib
 import importlib.util
+import shutil
 import subprocess
 import sys
 import time
 import traceback
 from collections.abc import Generator
 from pathlib import Path
+from types import ModuleType
 
 import bpy
 
@@ -19,8 +22,23 @@ ROOT = Path(__file__).resolve().parents[2]
 bpy.context.preferences.view.show_splash = False
 
 
+INSTALLED = "bl_ext.user_default.heliform"
+
+
+def package() -> str:
+    """Heliform's name here: that of the installed extension, else of the checkout once loaded."""
+    return INSTALLED if INSTALLED in sys.modules else "heliform"
+
+
+def jobs() -> ModuleType:
+    """Heliform's jobs, whose state tells what runs."""
+    return importlib.import_module(f"{package()}.addon.jobs")
+
+
 def load() -> None:
-    """Import the checkout as ``heliform`` and register it, as Blender does with an extension."""
+    """Unless Heliform is installed, import the checkout and register it as Blender would."""
+    if package() == INSTALLED:
+        return
     spec = importlib.util.spec_from_file_location(
         "heliform", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
     )
@@ -60,9 +78,10 @@ def open_sidebar() -> Generator[float]:
 
 
 def picture(name: str) -> None:
-    """Save what the screen shows."""
+    """Save what the screen shows, where ImageMagick is there to do it."""
     path = folder() / f"{name}.png"
-    subprocess.run(["import", "-window", "root", str(path)], check=True)
+    if shutil.which("import"):
+        subprocess.run(["import", "-window", "root", str(path)], check=True)
 
 
 def click(x: int, y: int) -> Generator[float]:
@@ -90,11 +109,12 @@ class Gaps:
         self._last = now
         return 0.005
 
-    def say(self, what: str) -> None:
-        """Print median, 95th percentile and longest, and begin anew."""
+    def say(self, what: str) -> float:
+        """Print median, 95th percentile and longest, begin anew, and return the percentile in s."""
         gaps, self.gaps = sorted(self.gaps) or [float("nan")], []
         marks = (gaps[len(gaps) // 2], gaps[int(0.95 * len(gaps))], gaps[-1])
         print(f"gaps {what}: " + " ".join(f"{1000 * gap:.0f}" for gap in marks), "ms", flush=True)
+        return marks[1]
 
 
 def play(steps: Generator[float]) -> None:

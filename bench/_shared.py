@@ -13,11 +13,11 @@ OUT = HERE.parent / "out" / "bench"
 
 
 def work(mesh: Path | int, size: int, runs: list[dict], cache: Path | None = None) -> dict:
-    """The figures of `worker` for these runs; ``cache`` holds Dr.Jit's kernels instead of its own."""
+    """The figures of `_worker` for these runs; ``cache`` holds Dr.Jit's kernels instead of its own."""
     job = {"mesh": mesh if isinstance(mesh, int) else str(mesh), "size": size, "runs": runs}
     job["spawned"] = time.time()
     environment = dict(os.environ) | ({"DRJIT_CACHE_DIR": str(cache)} if cache else {})
-    command = [sys.executable, str(HERE / "worker.py"), json.dumps(job)]
+    command = [sys.executable, str(HERE / "_worker.py"), json.dumps(job)]
     done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True)
     return json.loads(done.stdout.splitlines()[-1])
 

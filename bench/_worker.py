@@ -1,8 +1,9 @@
-"""A fresh process that traces and says what each step cost: python worker.py '{"runs": […]}'.
+"""A fresh process that traces and says what each step cost: python _worker.py '{"runs": […]}'.
 
 The job is a JSON object: ``mesh`` a file or a number of faces, ``size`` texels a side, ``spawned``
 the time of day at which it was started, ``runs`` a list of PhotonTracing settings with ``seed`` and
-optionally ``sigma``, a Gaussian's width in texels, and ``out``, where the caustic map (lx) goes.
+optionally ``filter`` ("none", "smooth" for the smooth map, or a Gaussian's width in texels) and
+``out``, where the caustic map (lx) goes.
 Writes one JSON object to standard output; times in s, memory in MB.
 """
 
@@ -47,14 +48,14 @@ def memory() -> float:
 
 def one_run(scene, settings: dict) -> dict:
     """Trace once with ``settings``."""
-    seed, sigma = settings.pop("seed", 0), settings.pop("sigma", 0.0)
+    seed, how = settings.pop("seed", 0), settings.pop("filter", "none")
     out = settings.pop("out", None)
     clock = Clock()
     result = trace(scene, PhotonTracing(**settings), seed=seed, progress=clock)
     clock(1.0, "")
-    caustic = result.caustic
-    if sigma:
-        caustic = gaussian_filter(caustic, sigma, mode="nearest")
+    caustic = result.smooth - result.direct if how == "smooth" else result.caustic
+    if not isinstance(how, str):
+        caustic = gaussian_filter(caustic, how, mode="nearest")
         clock(1.0, "")
     if out:
         np.save(out, caustic)
