@@ -13,7 +13,7 @@ OUT = HERE.parent / "out" / "bench"
 
 
 def work(mesh: Path | int, size: int, runs: list[dict], cache: Path | None = None) -> dict:
-    """The figures of `_worker` for these runs; ``cache`` holds Dr.Jit's kernels instead of its own."""
+    """The figures of `_worker` for these runs; ``cache``, if named, is where kernels are kept."""
     job = {"mesh": mesh if isinstance(mesh, int) else str(mesh), "size": size, "runs": runs}
     job["spawned"] = time.time()
     environment = dict(os.environ) | ({"DRJIT_CACHE_DIR": str(cache)} if cache else {})

@@ -27,7 +27,7 @@ STEPS = {"Reading": "lamp", "Starting": "mitsuba", "Building": "build", "Direct"
 
 
 class Clock:
-    """A progress that adds up the seconds of each step of `trace`; what it does not know is tracing."""
+    """A progress that adds up the seconds of each step of `trace`; unknown steps are photons."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}

@@ -13,16 +13,17 @@ bounds that they get hold more than they promise.
 
 import argparse
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from heliform.engines.core.scene import Lamp, Luminaire, Scene  # noqa: E402
-from heliform.engines.glass import GlassObject, glass_object  # noqa: E402
-from heliform.engines.light import PhotonTracing, trace  # noqa: E402
-from light import scenes  # noqa: E402
+from heliform.engines.core.scene import Lamp, Luminaire, Scene
+from heliform.engines.glass import GlassObject, glass_object
+from heliform.engines.light import PhotonTracing, trace
+from light import scenes
 
 MANY = 25
 CLASSES = (0, 1, 3, 10, 25, 50, 100, np.inf)
@@ -69,7 +70,7 @@ def measure(seeds: int, size: int, error: float, references: int = REFERENCES) -
             "below_upper": float(1 - above[chosen].mean()),
         }
 
-    bounds = zip(CLASSES, CLASSES[1:], strict=False)
+    bounds = pairwise(CLASSES)
     return {
         "seeds": seeds,
         "landed": landed,

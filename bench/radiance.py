@@ -32,10 +32,10 @@ from scipy.ndimage import gaussian_filter
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from heliform.engines.core.meshes import save_mesh  # noqa: E402
-from heliform.engines.light import kernel  # noqa: E402
-from heliform.engines.light.ies import sample_path  # noqa: E402
-from peers import radiance, tube  # noqa: E402
+from heliform.engines.core.meshes import save_mesh
+from heliform.engines.light import kernel
+from heliform.engines.light.ies import sample_path
+from peers import radiance, tube
 
 PHOTONS = (100_000, 300_000, 1_000_000, 2_000_000, 4_000_000, 8_000_000)
 BANDWIDTHS = ((20,), (50,), (100,), (200,), (400,), (20, 200))
@@ -96,7 +96,7 @@ class Reference:
         low, high = 0, len(steps) - 1
         while low < high:
             middle = (low + high) // 2
-            if self.expected_error(int(steps[middle]), sigma) <= target:
+            if self.expected_error(int(steps[middle]), how) <= target:
                 high = middle
             else:
                 low = middle + 1

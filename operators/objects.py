@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import bpy
 from bpy.props import EnumProperty, StringProperty
-from bpy.types import Context, Object, Operator
+from bpy.types import Context, Event, Object, Operator
 
 from ..addon import objects
 from ..addon.bridge.read import read_receiver
@@ -136,6 +136,16 @@ class HELIFORM_OT_add_demo(ObjectMode, Operator):
     bl_idname = "heliform.add_demo"
     bl_label = "Demo Scene"
     bl_options = {"REGISTER", "UNDO"}
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        """Add it, and bring it into view."""
+        ended = self.execute(context)
+        area = context.area
+        if area and area.type == "VIEW_3D":
+            region = next(r for r in area.regions if r.type == "WINDOW")
+            with context.temp_override(area=area, region=region):
+                bpy.ops.view3d.view_all()
+        return ended
 
     def act(self, context: Context) -> None:
         """Experiment A: a tube 1 mm above the plane, the lamp 0.22 m over the plane."""

@@ -69,12 +69,13 @@ def test_the_bounds_scale_with_the_light():
 
 
 def test_the_bounds_enclose_the_sum_and_join_where_few_become_many():
+    """To a photon: Garwood's lower bound of 25 is 16.2, the score interval's 16.9."""
     count = np.linspace(0.01, 200, 20_000)
     low, high = interval.interval(count, count.copy())
     assert (low < count).all()
     assert (high > count).all()
-    assert np.diff(low).max() < 0.5
-    assert np.diff(high).min() > -0.5
+    assert np.diff(low).max() < 1.0
+    assert np.diff(high).min() > -1.0
 
 
 def test_the_error_is_the_half_width_over_the_mean_where_there_is_light():

@@ -27,8 +27,7 @@ def run(folder: Path, *command, data: bytes | None = None, out: str | None = Non
         [str(pyradiance.BINPATH / command[0]), *map(str, command[1:])],
         cwd=folder,
         input=data,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        capture_output=True,
         env={**os.environ, "RAYPATH": RAYPATH},
         check=False,
     )
