@@ -89,7 +89,10 @@ def steps() -> Generator[float]:
     yield 2.0
     assert not jobs.state.running
     assert not jobs._tasks
-    sys.modules[window.package()].unregister()
+    if window.package() == window.INSTALLED:
+        bpy.ops.preferences.addon_disable(module=window.INSTALLED)
+    else:
+        sys.modules["heliform"].unregister()
     yield 0.5
 
 
