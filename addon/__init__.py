@@ -5,7 +5,7 @@ from types import ModuleType
 from typing import Final
 
 MODULES: Final = (
-    "addon.properties",
+    "addon.model",
     "addon.preferences",
     "addon.bridge.stage",
     "addon.overlays",

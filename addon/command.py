@@ -119,7 +119,8 @@ def _compute(study: Path, out: Path, given: dict[str, Any], line: "_Line") -> li
 
 
 def _compute_apart(study: Path, out: Path, given: dict[str, Any], line: "_Line") -> list[str]:
-    from .jobs import new_worker, result_of
+    from .jobs import result_of
+    from .workers import new_worker
 
     with new_worker() as worker:
         job = worker.submit(study, out, **given)

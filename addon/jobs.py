@@ -4,11 +4,9 @@ In the window `begin` returns at once and a timer follows the job; elsewhere `ru
 Either way the scene is written as a study, the worker runs it, and the result is staged here.
 """
 
-import functools
 import itertools
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import textwrap
@@ -30,6 +28,7 @@ from .bridge import stage
 from .bridge.read import read_scene
 from .preferences import results_folder
 from .properties import read, scale_of
+from .workers import new_worker
 
 PERIOD = 0.1
 """Seconds between two looks at what the worker said."""
@@ -124,34 +123,6 @@ def worker() -> Worker:
     if _worker is None:
         _worker = new_worker()
     return _worker
-
-
-def new_worker() -> Worker:
-    """A worker that runs in this Blender's kind of Python, with its packages."""
-    return Worker(interpreter())
-
-
-@functools.cache
-def interpreter() -> str:
-    """A Python of the version that Blender runs. Raises WorkerDied where there is none."""
-    version = f"{sys.version_info.major}.{sys.version_info.minor}"
-    beside = [Path(sys.prefix, *place) for place in (("bin", f"python{version}"), ("python.exe",))]
-    for path in (sys.executable, *map(str, beside), shutil.which(f"python{version}") or ""):
-        if path and _version(path) == version:
-            return path
-    raise WorkerDied(
-        f"There is no Python {version} beside this Blender to compute with; install it, or take "
-        "Blender from blender.org, which brings its own."
-    )
-
-
-def _version(path: str) -> str:
-    ask = "import sys; print('%d.%d' % sys.version_info[:2])"
-    try:
-        said = subprocess.run([path, "-I", "-c", ask], capture_output=True, text=True, timeout=20)
-    except (OSError, subprocess.TimeoutExpired):
-        return ""
-    return said.stdout.strip()
 
 
 # From the scene to a result folder

@@ -5,6 +5,7 @@ from pathlib import Path
 import bpy
 
 from ..engines.core import doctor
+from .workers import new_worker
 
 PACKAGE = __package__.rpartition(".")[0]
 """The add-on's name, as an extension or as a module."""
@@ -65,8 +66,6 @@ TEXT = "Heliform Doctor"
 
 
 def _examine() -> list[doctor.Line]:
-    from .jobs import new_worker  # it asks for these preferences
-
     lines = doctor.examine(new_worker())
     text = bpy.data.texts.get(TEXT) or bpy.data.texts.new(TEXT)
     text.from_string("\n".join(map(str, lines)) + "\n")

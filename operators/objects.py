@@ -8,8 +8,8 @@ from bpy.types import Context, Event, Object, Operator
 
 from ..addon import objects
 from ..addon.bridge.read import read_receiver
+from ..addon.model import ROLES
 from ..addon.properties import (
-    ROLES,
     draw,
     enum_items,
     read,

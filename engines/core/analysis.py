@@ -7,8 +7,10 @@ command line, study files, the worker, operators and the explorer find them here
 import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Protocol
 
+from .colour import Display
 from .errors import ParameterError
 from .progress import Progress
 from .scene import Mesh, Scene
@@ -41,13 +43,15 @@ class Analysis:
     """A name, the record it takes, the function that does it, and the result it gives.
 
     ``shows`` is the result class: it has ``save(folder) -> list[str]``, ``load(folder)``,
-    ``figures()`` and ``meta``.
+    ``figures()`` and ``meta``. ``draw`` writes a result's pictures and tables into a folder and
+    returns their names.
     """
 
     name: str
     record: type
     run: Run
     shows: type
+    draw: Callable[[Any, Path, Display], list[str]]
 
 
 def find_form(name: str, where: str) -> Form:

@@ -94,7 +94,7 @@ def _run_case(
     result = case.analysis.run(case.scene, case.parameters, seed=seed, progress=progress)
     place = folder / safe_name(case.name) if case.name else folder
     place.mkdir(exist_ok=True)
-    drawn = result.draw(place, display)
+    drawn = case.analysis.draw(result, place, display)
     stem = f"{place.name}/" if case.name else ""
     summary["files"] += [stem + name for name in [*result.save(place), *drawn]]
     pictures += [stem + name for name in drawn]

@@ -1,17 +1,14 @@
 """The pictures of an irradiance map: false colours with a legend, and the section along u."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ..core.colour import Display, scale_for
 from ..core.picture import false_colour_png
+from .irradiance import IrradianceMap
 from .section import section
 
-if TYPE_CHECKING:
-    from .irradiance import IrradianceMap
 
-
-def draw(result: "IrradianceMap", folder: Path, display: Display) -> list[str]:
+def draw(result: IrradianceMap, folder: Path, display: Display) -> list[str]:
     """Write illuminance.png, smooth.png, caustic.png where there is any, section.png and .csv.
 
     Returns their names. Raises FileError where they cannot be written.
@@ -34,7 +31,7 @@ def draw(result: "IrradianceMap", folder: Path, display: Display) -> list[str]:
     return [*files, "section.png", "section.csv"]
 
 
-def summary(result: "IrradianceMap") -> str:
+def summary(result: IrradianceMap) -> str:
     """The line below a picture: error, photons, mean and peak."""
     meta, figures = result.meta, result.figures()
     photons = meta["photons"]

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import exr
-from ..core.colour import Display
 
 Map = NDArray[np.float32]
 MAPS = ("illuminance", "direct", "caustic", "indirect", "half_width", "lower", "upper", "smooth")
@@ -68,12 +67,6 @@ class IrradianceMap:
         """Write ``irradiance.exr`` into ``folder``; returns the names of the files written."""
         exr.save(folder / "irradiance.exr", {name: getattr(self, name) for name in MAPS}, self.meta)
         return ["irradiance.exr"]
-
-    def draw(self, folder: Path, display: Display) -> list[str]:
-        """Write pictures and the section along u into ``folder``; returns their names."""
-        from . import drawing
-
-        return drawing.draw(self, folder, display)
 
     @classmethod
     def load(cls, folder: Path) -> "IrradianceMap":

@@ -60,8 +60,8 @@ class _Waves:
         self.square = rows[:, None] ** 2 + columns[None, :] ** 2
 
     def of(self, values: Map) -> Map:
-        return dctn(values, norm="ortho", workers=2)
+        return np.asarray(dctn(values, norm="ortho", workers=2))
 
     def blurred(self, waves: Map, width: float) -> Map:
         damped = waves * np.exp(-self.square * width**2 / 2)
-        return np.maximum(idctn(damped, norm="ortho", workers=2), 0.0)
+        return np.maximum(np.asarray(idctn(damped, norm="ortho", workers=2)), 0.0)

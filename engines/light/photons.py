@@ -1,7 +1,7 @@
 """Photons from the luminaires through the glass onto the receiver: one loop, batch by batch."""
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from ..core import runtime
 from ..core.scene import Receiver
 from .emission import Emitter, draw
 from .stage import KINDS, RECORD, Stage
-from .tally import FATES, ROUTES
+from .tally import FATES, ROUTES, Landing
 
 mi = runtime.mitsuba()
 import drjit as dr  # noqa: E402  (loads LLVM: only after the runtime has chosen which)
@@ -26,21 +26,6 @@ SURVIVAL = 0.9
 LONGEST = 512
 OFFSET_MM = 1e-3
 OFFSET_SHARE = 2e-6
-
-
-class Landing(NamedTuple):
-    """What became of a batch's photons (N,): ``fate`` as in FATES, ``route`` as in ROUTES.
-
-    ``u``, ``v`` in 0..1 on the receiver where ``fate`` is LANDED; ``weight`` lm at the end, of
-    which roulette gave ``gained``.
-    """
-
-    fate: NDArray[np.uint32]
-    route: NDArray[np.uint32]
-    u: NDArray[np.float32]
-    v: NDArray[np.float32]
-    weight: NDArray[np.float32]
-    gained: NDArray[np.float32]
 
 
 class Plane:

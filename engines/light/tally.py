@@ -1,18 +1,30 @@
 """What has landed where and what became of the flux, summed batch by batch."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from .photons import Landing
 
 FATES = {"landed": 1, "absorbed": 2, "escaped": 3, "cut_off": 4}
 """What can become of a photon."""
 ROUTES = {"direct": 0, "caustic": 1, "indirect": 2}
 """The way it took: met no body, only glass and mirrors, or was scattered by a matte surface."""
+
+
+class Landing(NamedTuple):
+    """What became of a batch's photons (N,): ``fate`` as in FATES, ``route`` as in ROUTES.
+
+    ``u``, ``v`` in 0..1 on the receiver where ``fate`` is LANDED; ``weight`` lm at the end, of
+    which roulette gave ``gained``.
+    """
+
+    fate: NDArray[np.uint32]
+    route: NDArray[np.uint32]
+    u: NDArray[np.float32]
+    v: NDArray[np.float32]
+    weight: NDArray[np.float32]
+    gained: NDArray[np.float32]
 
 
 @dataclass(slots=True)
@@ -51,7 +63,7 @@ class Tally:
         """A sum as lm."""
         return value / max(self.emitted, 1)
 
-    def add(self, landing: "Landing", share: float) -> None:
+    def add(self, landing: Landing, share: float) -> None:
         """Count a batch of the luminaire that sends this ``share`` of all photons."""
         weight = landing.weight.astype(np.float64) / share
         gained = float(landing.gained.sum(dtype=np.float64)) / share
@@ -74,7 +86,7 @@ class Tally:
         self.square += np.bincount(texel, weight * weight, self.square.size)
         self.landed += len(texel)
 
-    def _texel(self, landing: "Landing", on: NDArray[np.bool_]) -> NDArray[np.int64]:
+    def _texel(self, landing: Landing, on: NDArray[np.bool_]) -> NDArray[np.int64]:
         column = np.minimum((landing.u[on] * self.columns).astype(np.int64), self.columns - 1)
         row = np.minimum((landing.v[on] * self.rows).astype(np.int64), self.rows - 1)
         return row * self.columns + column

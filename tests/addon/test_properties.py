@@ -109,10 +109,10 @@ def test_settings_survive_saving(holder, scene, tmp_path):
 
 
 def test_writing_does_not_update_but_setting_does(holder, scene, monkeypatch):
-    from heliform.addon import objects
+    from heliform.addon import model
 
     calls = []
-    monkeypatch.setattr(objects, "rebuild", lambda obj, scene: calls.append(obj.name))
+    monkeypatch.setattr(model, "rebuild", lambda obj, scene: calls.append(obj.name))
     write(holder.glass_object, TABLE_1["tube"])
     assert calls == []
     holder.glass_object.bead.sag = 0.001
