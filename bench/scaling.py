@@ -74,7 +74,7 @@ def main() -> None:
     by_landed = [one(TABLE_1_FACES, landed // share) for landed in asked.landed]
     names = ["landed", "photon_seconds", "emitted_per_second", "landed_per_second", "memory"]
     table(names, [[r[n] for n in names] for r in by_landed], f"{TABLE_1_FACES:,} faces (s, MB)")
-    cost = fresnel(LANDED // share)
+    cost = fresnel(3 * LANDED // share)
     head = ["averaged /s", "polarised /s", "polarised ÷ averaged (time)"]
     table(head, [list(cost.values())], "Fresnel: photons emitted a second")
     save("scaling", {"by_faces": by_faces, "by_landed": by_landed, "fresnel": cost}, asked.out)

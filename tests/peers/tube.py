@@ -7,9 +7,8 @@ from heliform.engines.core.scene import Body, Lamp, Luminaire, Material, Mesh, S
 from heliform.engines.glass import TABLE_1, glass_object
 from light import scenes
 
-LIFT, GAP, PLANE = 1e-3, 0.22, 0.8
-"""Metres from the plane to the tube, from the tube to the lamp, and along the plane's side."""
-LAMP = LIFT + TABLE_1["tube"].height + GAP
+LIFT, LAMP, PLANE = 1e-3, 0.22, 0.8
+"""Metres from the plane up to the tube, up to the lamp, and along the plane's side."""
 IOR = 1.5
 
 
