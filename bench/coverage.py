@@ -32,7 +32,7 @@ REFERENCES = 50
 
 
 def small_tube(size: int) -> Scene:
-    """A tube of 60 mm and 3000 faces, half a layer's height above a plane of 160 mm."""
+    """A tube of 60 mm and 3000 faces, 1 mm above a plane of 160 mm."""
     shift = np.eye(4)
     shift[2, 3] = 1e-3
     mesh = glass_object(GlassObject(width=0.06, depth=0.06, height=0.03, faces=3000))

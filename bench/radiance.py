@@ -9,9 +9,9 @@ reference is a long run of ours, averaged over the eight symmetries that tube, l
 what noise it has left is known and taken off. It is checked against Radiance's own photons.
 
 Radiance: obj2mesh, oconv, mkpmap and rtrace at every cell of a grid of photons × bandwidths; for
-each target the fastest cell that reaches it counts, or the best of all where none does. Its caustic is read from the plane alone, so
-rtrace casts no shadow rays, and its emission is set as finely as it needs to be (see
-`peers.radiance`).
+each target the fastest cell that reaches it counts, or the best of all where none does. Its caustic
+is read from the plane alone, so rtrace casts no shadow rays, and its emission is set as finely as
+it needs to be (see `peers.radiance`).
 
 Ours: `trace` with unfiltered texel means; at twice the resolution with the smooth map that it also
 makes; and at twice the resolution under one Gaussian, the best of the published widths, as simple a
@@ -22,6 +22,7 @@ on disk.
 """
 
 import argparse
+import hashlib
 import sys
 import tempfile
 from pathlib import Path
@@ -104,8 +105,13 @@ class Reference:
 
 
 def reference(mesh: Path, size: int, landed: int, folder: Path) -> Reference:
-    """The long run, kept in ``folder`` for the next bench with the same size and count."""
-    file = folder / f"reference_{size}_{landed}.npy"
+    """The long run, kept in ``folder`` for the next bench of the same scene, size and count.
+
+    Delete it when the engine's physics changes: that is not in its name.
+    """
+    placed = repr((tube.LIFT, tube.LAMP, tube.PLANE, tube.IOR)).encode()
+    scene = hashlib.sha256(mesh.read_bytes() + placed + sample_path().read_bytes()).hexdigest()
+    file = folder / f"reference_{scene[:8]}_{size}_{landed}.npy"
     if not file.exists():
         print(f"Tracing the reference, {landed / 1e6:.0f} M photons landed …", flush=True)
         settings = {"until": "landed", "landed": landed, "seed": 1, "out": str(file)}
