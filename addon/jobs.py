@@ -153,9 +153,10 @@ def _prepare(context: bpy.types.Context, analysis: Analysis, label: str) -> _Tas
 def export(scene: bpy.types.Scene, given: Scene, analysis: Analysis, folder: Path) -> Path:
     """Write a scene that was read as a study of ``analysis``. Raises FileError."""
     title = Path(bpy.data.filepath).stem or scene.name
-    return save_study(
-        folder, title, given, analysis, parameters(scene, analysis), scene.heliform.seed
-    )
+    settings = scene.heliform
+    display = read(settings.display, Display)
+    asked = parameters(scene, analysis)
+    return save_study(folder, title, given, analysis, asked, settings.seed, display)
 
 
 def parameters(scene: bpy.types.Scene, analysis: Analysis) -> Any:

@@ -99,7 +99,9 @@ def _draw_legend(picture: bpy.types.Image, room: Box, unit: float) -> Box:
     line, pad, bar_width = 17 * unit, 10 * unit, 16 * unit
     heading = [scale.quantity, f"{meta['receiver']}, {scale.unit}"]
     photons = meta["photons"]["emitted"]
-    footing = [f"error {100 * meta['error']:.0f} %", f"{_count(photons)} photons"] * bool(photons)
+    footing = [f"{_count(photons)} photons"] * bool(photons)
+    if meta["error"]:
+        footing.insert(0, f"error {100 * meta['error']:.0f} %")
     bar_height = min(240 * unit, room.height - (len(heading) + len(footing) + 2) * line - 2 * pad)
     if bar_height < 40 * unit:
         return Box(room.right, room.bottom, room.right, room.bottom)

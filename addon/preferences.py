@@ -1,5 +1,6 @@
 """What a person sets once for all files, and what this machine can do."""
 
+import getpass
 from pathlib import Path
 
 import bpy
@@ -81,7 +82,7 @@ def results_folder() -> Path:
         return Path(bpy.path.abspath(chosen))
     if bpy.data.filepath:
         return Path(bpy.data.filepath).parent / "heliform"
-    return Path(bpy.app.tempdir).parent / "heliform"
+    return Path(bpy.app.tempdir).parent / f"heliform-{getpass.getuser()}"
 
 
 register, unregister = bpy.utils.register_classes_factory(

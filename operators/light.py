@@ -61,7 +61,7 @@ class HELIFORM_OT_section(_OnResult, Operator):
         folder = Path(stage.meta_of(picture)["folder"])
         try:
             made.save_csv(folder / "section.csv")
-            made.save_png(folder / "section.png")
+            made.save_png(folder / "section.png", context.scene.heliform.display.log)
         except HeliformError as error:  # moved away since: the text and the plot are there
             return f"The section is in the text “{sections.text_name(picture)}”. {error}"
         return f"The section is in “{folder / 'section.csv'}”."

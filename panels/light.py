@@ -92,7 +92,8 @@ class HELIFORM_PT_light_result(_ResultPanel, Panel):
         _row(box, "Receiver", meta["receiver"])
         _row(box, "Mean", _value(figures["mean_illuminance"]))
         _row(box, "Highest", _value(figures["max_illuminance"]))
-        _row(box, "Error", f"{100 * meta['error']:.1f} %")
+        if meta["error"]:
+            _row(box, "Error", f"{100 * meta['error']:.1f} %")
         photons = meta["photons"]
         sent, landed = (_count(photons[key]) for key in ("emitted", "landed"))
         _row(box, "Photons", f"{sent}, {landed} landed")

@@ -9,7 +9,6 @@ import bpy
 from mathutils import Matrix
 
 from ...engines.core.analysis import find_form
-from ...engines.core.colour import Display
 from ...engines.core.files import safe_name, written
 from ...engines.core.parameters import from_table, to_table
 from ...engines.core.scene import Body, Lamp, Luminaire, Mesh, Plane, Receiver
@@ -48,8 +47,7 @@ def stage_study(
         result = case.analysis.shows.load(folder)
         result.meta["folder"] = str(folder)
         receiver = receivers[result.meta["receiver"]]
-        display = from_table(Display, case.table.get("display", {}), "display")
-        scene.heliform.shown = stage.stage_irradiance(receiver, result, display)
+        scene.heliform.shown = stage.stage_irradiance(receiver, result, case.display)
         scene.view_settings.view_transform = "Standard"
     stage.show_in_views(bpy.context)
     with written(blend) as draft:
@@ -60,7 +58,7 @@ def add_case(scene: bpy.types.Scene, case: Case, seed: int) -> dict[str, bpy.typ
     """Add a case's objects and settings to a scene; returns the receivers by their study names."""
     settings = scene.heliform
     write(settings.photon_tracing, case.parameters, scale_of(scene))
-    write(settings.display, from_table(Display, case.table.get("display", {}), "display"))
+    write(settings.display, case.display)
     settings.seed = seed
     layer = scene.view_layers[0]
     with bpy.context.temp_override(scene=scene, view_layer=layer, collection=scene.collection):

@@ -29,6 +29,7 @@ from time import monotonic
 from typing import Any, Literal, Self
 
 from .errors import WorkerDied
+from .files import draft_of
 
 Outcome = Literal["done", "error", "cancelled", "died", "bug"]
 
@@ -61,7 +62,7 @@ class Job:
     @property
     def part(self) -> Path:
         """Where the result grows before it is renamed to ``out``."""
-        return self.out.with_name(self.out.name + ".part")
+        return draft_of(self.out)
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,6 +55,11 @@ def written(path: Path | str) -> Iterator[Path]:
             temporary.unlink()
 
 
+def draft_of(out: Path) -> Path:
+    """The folder in which results for ``out`` grow before they are moved there."""
+    return out.with_name(f".{out.name}.heliform-draft")
+
+
 def safe_name(text: str) -> str:
     """``text`` as a file name, without an ending, that Linux, macOS and Windows all take.
 

@@ -29,7 +29,12 @@ def load_mesh(path: Path, unit: str = "m") -> Mesh:
 
 def _load_npz(path: Path) -> Mesh:
     with np.load(path, allow_pickle=False) as arrays:
-        return Mesh(arrays["vertices"], arrays["faces"], arrays.get("normals"))
+        mesh = Mesh(arrays["vertices"], arrays["faces"], arrays.get("normals"))
+    if mesh.faces.ndim != 2 or mesh.faces.shape[1] not in (3, 4) or mesh.vertices.shape[1:] != (3,):
+        raise ValueError("its arrays are not those of a mesh")
+    if mesh.faces.size and not 0 <= mesh.faces.min() <= mesh.faces.max() < len(mesh.vertices):
+        raise ValueError("a face names a vertex that is not there")
+    return mesh
 
 
 def _load_other(path: Path) -> Mesh:

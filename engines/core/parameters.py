@@ -116,6 +116,8 @@ def from_table[R](record: type[R], table: Mapping[str, Any], where: str) -> R:
     ``where`` names the table in messages. Raises ParameterError for an unknown key, a value of
     the wrong type, or one out of bounds.
     """
+    if not isinstance(table, Mapping):
+        raise ParameterError(f"[{where}] should be a table of parameters, not {table!r}.")
     fields = {f.name: f for f in fields_of(record)}
     check_keys(table, fields, where)
     return record(**{k: check_value(fields[k], v, where) for k, v in table.items()})

@@ -8,10 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from .. import VERSION
-from .colour import Display
 from .errors import FileError
-from .files import safe_name
-from .parameters import from_table
+from .files import draft_of, safe_name
 from .progress import SILENT, Progress, part
 from .report import write_report
 from .study import Case, Study, load_study
@@ -36,7 +34,7 @@ def run_study(
     ``progress`` is asked to stop.
     """
     study = load_study(path, quick=quick, seed=seed, settings=settings)
-    draft = out.with_name(out.name + ".part")
+    draft = draft_of(out)
     shutil.rmtree(draft, ignore_errors=True)
     try:
         draft.mkdir(parents=True)
@@ -90,13 +88,13 @@ def _run_case(
     summary: dict[str, Any],
     pictures: list[str],
 ) -> None:
-    display = from_table(Display, case.table.get("display", {}), "display")
     result = case.analysis.run(case.scene, case.parameters, seed=seed, progress=progress)
     place = folder / safe_name(case.name) if case.name else folder
     place.mkdir(exist_ok=True)
-    drawn = case.analysis.draw(result, place, display)
+    saved = result.save(place)
+    drawn = case.analysis.draw(result, place, case.display)
     stem = f"{place.name}/" if case.name else ""
-    summary["files"] += [stem + name for name in [*result.save(place), *drawn]]
+    summary["files"] += [stem + name for name in [*saved, *drawn]]
     pictures += [stem + name for name in drawn]
     prefix = f"{case.name}." if case.name else ""
     summary["figures"] |= {prefix + name: figure for name, figure in result.figures().items()}

@@ -113,7 +113,7 @@ def choose() -> Choice:
         return Choice("", "", "Mitsuba is not installed")
     if version != MITSUBA_VERSION:
         return Choice("", "", f"Mitsuba {version} is installed where {MITSUBA_VERSION} is needed")
-    if _has_cuda():
+    if os.environ.get("HELIFORM_BACKEND") != "llvm" and _has_cuda():
         return Choice("cuda", "", "")
     usable = [found for found in llvms() if found.usable]
     if usable:

@@ -55,7 +55,7 @@ class Plane:
 
     width: float = param(0.8, "m", 1e-3, 1000.0, "Size along X")
     length: float = param(0.8, "m", 1e-3, 1000.0, "Size along Y")
-    resolution: int = param(256, "", 1, 8192, "Texels along the longer side")
+    resolution: int = param(256, "", 1, 4096, "Texels along the longer side")
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ import tomli_w
 from numpy.typing import NDArray
 
 from .analysis import Analysis, find_analysis, find_form
+from .colour import Display, scale_for
 from .errors import FileError, ParameterError
 from .files import safe_name, written
 from .meshes import load_mesh, save_mesh
@@ -50,6 +51,7 @@ class Case:
     analysis: Analysis
     parameters: Any
     scene: Scene
+    display: Display
     table: Mapping[str, Any]
 
 
@@ -75,13 +77,14 @@ def load_study(
     key or a value out of bounds.
     """
     table = _read(path)
+    _check_types(table, path)
     if quick:
         table = merged(table, table.get("quick", {}))
     for line in settings:
         table = merged(table, _setting(line))
     if seed is not None:
         table["seed"] = seed
-    check_keys(table, KEYS, path.name)
+    _check_types(table, path)
     schema = table.get("heliform", SCHEMA)
     if schema != SCHEMA:
         raise FileError(
@@ -99,7 +102,7 @@ def load_study(
         about=table.get("about", ""),
         seed=number,
         quick=quick,
-        cases=tuple(_case(name, merged(table, v), path) for name, v in variants.items()),
+        cases=tuple(_case(name, table, v, path) for name, v in variants.items()),
     )
 
 
@@ -112,6 +115,24 @@ def _read(path: Path) -> dict[str, Any]:
         raise FileError(f"The study “{path}” cannot be read: {failed.strerror}.") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as wrong:
         raise FileError(f"The study “{path.name}” is not valid TOML: {wrong}.") from None
+
+
+def _check_types(table: Mapping[str, Any], path: Path) -> None:
+    """Raise ParameterError where a section is no table or a text no text."""
+    check_keys(table, KEYS, path.name)
+    for key in ("parameters", "display", "bodies", "lamps", "receivers", "quick", "cases"):
+        if not isinstance(table.get(key, {}), Mapping):
+            raise ParameterError(f"[{path.name}] {key} should be a table: [{key}].")
+    for key in ("title", "about", "analysis"):
+        _text(table, key, path.name)
+
+
+def _text(table: Mapping[str, Any], key: str, where: str) -> str:
+    """The text under ``key``, "" where there is none. Raises ParameterError for anything else."""
+    value = table.get(key, "")
+    if not isinstance(value, str):
+        raise ParameterError(f"[{where}] {key} = {value!r} should be text.")
+    return value
 
 
 def _setting(line: str) -> dict[str, Any]:
@@ -140,7 +161,11 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     return result
 
 
-def _case(name: str, table: Mapping[str, Any], path: Path) -> Case:
+def _case(name: str, base: Mapping[str, Any], variant: Any, path: Path) -> Case:
+    if not isinstance(variant, Mapping):
+        raise ParameterError(f"[cases] {name} should be a table: [cases.{name}].")
+    table = merged(base, variant)
+    _check_types(table, path)
     if "analysis" not in table:
         raise ParameterError(
             f'[{path.name}] has no analysis; add for example analysis = "light.trace".'
@@ -152,7 +177,9 @@ def _case(name: str, table: Mapping[str, Any], path: Path) -> Case:
         luminaires=tuple(_luminaire(n, t, path) for n, t in _tables(table, "lamps")),
         receivers=tuple(_receiver(n, t) for n, t in _tables(table, "receivers")),
     )
-    return Case(name, analysis, parameters, scene, table)
+    display = from_table(Display, table.get("display", {}), "display")
+    scale_for(np.ones(1), display, "", "")
+    return Case(name, analysis, parameters, scene, display, table)
 
 
 def _tables(table: Mapping[str, Any], section: str) -> list[tuple[str, Mapping[str, Any]]]:
@@ -161,6 +188,10 @@ def _tables(table: Mapping[str, Any], section: str) -> list[tuple[str, Mapping[s
     for name, entry in entries.items():
         if not isinstance(entry, Mapping):
             raise ParameterError(f"[{section}] {name} should be a table: [{section}.{name}].")
+        if not isinstance(entry.get("on", True), bool):
+            raise ParameterError(
+                f"[{section}.{name}] on = {entry['on']!r} should be true or false."
+            )
     return [(name, entry) for name, entry in entries.items() if entry.get("on", True)]
 
 
@@ -171,7 +202,7 @@ def _body(name: str, table: Mapping[str, Any], path: Path) -> Body:
     if "form" in table:
         mesh = _formed(table, where)
     elif "mesh" in table:
-        mesh = load_mesh(path.parent / table["mesh"], table.get("unit", "m"))
+        mesh = load_mesh(path.parent / _text(table, "mesh", where), table.get("unit", "m"))
     else:
         raise ParameterError(f"[{where}] has neither a form nor a mesh; add one of them.")
     material = from_table(Material, table.get("material", {}), f"{where}.material")
@@ -195,8 +226,10 @@ def _formed(table: Mapping[str, Any], where: str) -> Mesh:
 
 def _luminaire(name: str, table: Mapping[str, Any], path: Path) -> Luminaire:
     where = f"lamps.{name}"
+    if "scale" in table:
+        raise ParameterError(f"[{where}] has a scale, which a lamp cannot; set its size.")
     own = {k: v for k, v in table.items() if k not in (*PLACE, "on")}
-    if own.get("file"):
+    if _text(own, "file", where):
         own["file"] = str(path.parent / own["file"])
     return Luminaire(name, from_table(Lamp, own, where), _place(table, where))
 
@@ -209,6 +242,13 @@ def _receiver(name: str, table: Mapping[str, Any]) -> Receiver:
 
 def _place(table: Mapping[str, Any], where: str) -> NDArray[np.float64]:
     """The 4×4 ``matrix``, or that of ``at`` (m), ``turn`` (degrees about X, Y, Z) and ``scale``."""
+    matrix = _matrix(table, where)
+    if abs(np.linalg.det(matrix[:3, :3])) < 1e-12:
+        raise ParameterError(f"[{where}] has a scale of 0; make it another.")
+    return matrix
+
+
+def _matrix(table: Mapping[str, Any], where: str) -> NDArray[np.float64]:
     if "matrix" in table:
         return _numbers(table, "matrix", (4, 4), np.eye(4), where)
     at = _numbers(table, "at", (3,), np.zeros(3), where)
@@ -238,9 +278,17 @@ def _numbers(
 
 
 def save_study(
-    folder: Path, title: str, scene: Scene, analysis: Analysis, parameters: Any, seed: int
+    folder: Path,
+    title: str,
+    scene: Scene,
+    analysis: Analysis,
+    parameters: Any,
+    seed: int,
+    display: Display | None = None,
 ) -> Path:
     """Write a scene as a study that runs elsewhere: study.toml, its meshes and IES files.
+
+    ``display`` is how its pictures are coloured, the default where None.
 
     Returns the study's path. Raises FileError where the folder cannot be written.
     """
@@ -256,9 +304,10 @@ def save_study(
         "analysis": analysis.name,
         "seed": seed,
         "parameters": to_table(parameters),
+        "display": to_table(display or Display()),
     }
     bodies = {b.name: _saved_body(b, folder, i) for i, b in enumerate(scene.bodies)}
-    lamps = {lamp.name: _saved_lamp(lamp, folder) for lamp in scene.luminaires}
+    lamps = {lamp.name: _saved_lamp(lamp, folder, i) for i, lamp in enumerate(scene.luminaires)}
     receivers = {r.name: _saved_receiver(r) for r in scene.receivers}
     for key, entries in (("bodies", bodies), ("lamps", lamps), ("receivers", receivers)):
         if entries:
@@ -275,11 +324,12 @@ def _saved_body(body: Body, folder: Path, index: int) -> dict[str, Any]:
     return {"mesh": file, "material": to_table(body.material)}
 
 
-def _saved_lamp(luminaire: Luminaire, folder: Path) -> dict[str, Any]:
+def _saved_lamp(luminaire: Luminaire, folder: Path, index: int) -> dict[str, Any]:
     table = to_table(luminaire.lamp)
     if luminaire.lamp.source == "ies" and luminaire.lamp.file:
         origin = Path(luminaire.lamp.file)
-        table["file"] = safe_name(re.sub(r"\.ies$", "", origin.name, flags=re.I)) + ".ies"
+        stem = re.sub(r"\.ies$", "", origin.name, flags=re.I)
+        table["file"] = f"{index}-{safe_name(stem)}.ies"
         try:
             if origin.resolve() != (folder / table["file"]).resolve():
                 shutil.copyfile(origin, folder / table["file"])

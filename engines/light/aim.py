@@ -24,13 +24,16 @@ def cover(
     The centres are those of the voxels that a vertex lies in; no place of a triangle is farther
     than longest edge ÷ √3 from a corner. Triangles larger than a voxel are split until they fit.
     """
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    used = np.zeros(len(vertices), bool)
+    used[faces] = True
+    corners = vertices[used]
+    low, high = corners.min(axis=0), corners.max(axis=0)
     size = max(float((high - low).max()) / VOXELS, 1e-9)
     reach = _longest_edges(vertices[faces])
     large = reach > size
     pieces = vertices[faces[large]]
     longest = float(reach[~large].max(initial=0.0))
-    places = [vertices]
+    places = [corners]
     while len(pieces):
         pieces = _split(pieces)
         places.append(pieces.reshape(-1, 3))
@@ -54,10 +57,14 @@ def _longest_edges(triangles: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _split(triangles: NDArray[np.float64]) -> NDArray[np.float64]:
-    a, b, c = triangles.transpose(1, 0, 2)
-    ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
-    quarters = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
-    return np.concatenate([np.stack(q, axis=1) for q in quarters])
+    """Each triangle cut in two at the middle of its longest edge."""
+    edges = triangles - np.roll(triangles, -1, axis=1)
+    first = np.einsum("tij,tij->ti", edges, edges).argmax(axis=1)
+    order = (first[:, None] + np.arange(3)) % 3
+    a, b, c = np.take_along_axis(triangles, order[..., None], axis=1).transpose(1, 0, 2)
+    middle = (a + b) / 2
+    halves = [(a, middle, c), (middle, b, c)]
+    return np.concatenate([np.stack(half, axis=1) for half in halves])
 
 
 def opening_points(source: Source) -> tuple[NDArray[np.float64], float]:
@@ -69,8 +76,8 @@ def opening_points(source: Source) -> tuple[NDArray[np.float64], float]:
     if source.shape == "round":
         turn, reach = k * np.pi * (3 - np.sqrt(5)), np.sqrt((k + 0.5) / OPENING_POINTS)
         points = np.stack([reach * np.cos(turn), reach * np.sin(turn)], axis=1)
-        # A sunflower's places lie within 1.3/√P of a point of it on the unit disk, rim included.
-        return points * half, 1.3 / np.sqrt(OPENING_POINTS) * 2 * float(half.max())
+        # No place of the unit disk is farther than 1.8/√P from a point of this sunflower.
+        return points * half, 1.8 / np.sqrt(OPENING_POINTS) * float(half.max())
     side = int(np.sqrt(OPENING_POINTS))
     grid = (np.arange(side) + 0.5) / side * 2 - 1
     x, y = np.meshgrid(grid, grid)

@@ -39,7 +39,7 @@ def summary(result: IrradianceMap) -> str:
         f"mean {figures['mean_illuminance']['value']:.4g} lx",
         f"peak {figures['max_illuminance']['value']:.4g} lx",
     ]
-    if photons["emitted"]:
+    if meta["error"]:
         parts += [
             f"error {100 * meta['error']:.0f} % (95 %)",
             f"{photons['landed'] / 1e6:.3g} M of {photons['emitted'] / 1e6:.3g} M photons landed",

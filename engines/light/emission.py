@@ -5,7 +5,7 @@ the rest are drawn in proportion to their flux. A batch first draws how many pho
 sends and then emits them cell by cell: neighbours in the batch travel together and trace faster.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -60,11 +60,17 @@ def emission(source: Source, stage: Stage, *, everywhere: bool = False) -> Emiss
 
 
 def intensity_grid(distribution: Photometry) -> NDArray[np.float64]:
-    """Luminous intensity (rows + 1, AZIMUTHS + 1) in cd at even steps of γ 0..π and C 0..2π."""
+    """Luminous intensity (rows + 1, AZIMUTHS + 1) in cd at even steps of γ 0..π and C 0..2π.
+
+    Scaled to the distribution's own flux: a cut-off between two steps becomes a ramp.
+    """
     finest = float(np.diff(distribution.vertical).min(initial=180.0))
     rows = round(180.0 / np.clip(finest, FINEST, COARSEST))
     gamma, turn = np.linspace(0, 180, rows + 1), np.linspace(0, 360, AZIMUTHS + 1)
-    return photometry.intensity_at(distribution, gamma[:, None], turn[None, :])
+    intensity = photometry.intensity_at(distribution, gamma[:, None], turn[None, :])
+    even = replace(distribution, vertical=gamma, horizontal=turn, intensity=intensity.T)
+    flux = photometry.luminous_flux(even)
+    return intensity * (photometry.luminous_flux(distribution) / flux) if flux else intensity
 
 
 def _directions(

@@ -19,13 +19,12 @@ FLOOR = 0.05
 Map = NDArray[np.float64]
 
 
-def interval(total: Map, square: Map) -> tuple[Map, Map]:
+def interval(total: Map, square: Map, typical: float) -> tuple[Map, Map]:
     """Lower and upper 95 % confidence bounds of sums ``total`` = Σw with ``square`` = Σw².
 
     Above FEW hits the score interval n + z²/2 ± z √(n + z²/4); below, Garwood's exact bounds,
-    which leave a texel without a hit an upper bound of 3.7 photons of the map's mean weight.
+    which leave a texel without a hit an upper bound of 3.7 photons of the ``typical`` weight.
     """
-    typical = square.sum() / total.sum() if total.any() else 0.0
     hit = square > 0
     weight = np.divide(square, total, out=np.full_like(total, typical), where=hit)
     count = np.divide(total * total, square, out=np.zeros_like(total), where=hit)

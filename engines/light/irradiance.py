@@ -50,13 +50,14 @@ class IrradianceMap:
         table = {
             "mean_illuminance": (self.mean, "lx", meta["mean_half_width"]),
             "max_illuminance": (self.illuminance[peak], "lx", self.half_width[peak]),
-            "mean_caustic": (self.caustic.mean(dtype=np.float64), "lx", meta["mean_half_width"]),
+            "mean_caustic": (self.caustic.mean(dtype=np.float64), "lx", meta["traced_half_width"]),
             "max_caustic": (self.caustic.max(), "lx", None),
-            "error": (meta["error"], "", None),
             "photons_emitted": (meta["photons"]["emitted"], "", None),
             "photons_landed": (meta["photons"]["landed"], "", None),
             **{f"flux_{k}": (v, "lm", None) for k, v in meta["flux"].items()},
         }
+        if meta["error"] is not None:
+            table["error"] = (meta["error"], "", None)
         return {
             name: {"value": float(value), "unit": unit}
             | ({} if spread is None else {"uncertainty": float(spread)})

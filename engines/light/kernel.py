@@ -23,7 +23,8 @@ def smoothed(total: Map, square: Map, gather: float = GATHER) -> Map:
 
     For a kernel g the estimate is Σ g Σw with variance Σ g² Σw², so its effective count is
     (Σ g Σw)² / Σ g² Σw²; between two widths the estimates are blended by the logarithm of theirs.
-    Borders reflect, and the map's sum stays.
+    Borders reflect. A dark texel beside a bright line gathers some of the line's light: the map's
+    sum is kept only roughly.
     """
     waves = _Waves(total.shape)
     mean, square_mean = waves.of(total), waves.of(square)

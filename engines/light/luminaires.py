@@ -49,6 +49,8 @@ def source(luminaire: Luminaire) -> Source:
     """
     lamp, pose = luminaire.lamp, luminaire.pose
     axes = pose[:3, :3] / np.linalg.norm(pose[:3, :3], axis=0)
+    if not np.allclose(axes.T @ axes, np.eye(3), atol=1e-4):
+        raise SceneError(f"Lamp “{luminaire.name}” is sheared or flat; apply its scale.")
     if lamp.source != "ies" and lamp.flux == 0:
         raise SceneError(f"Lamp “{luminaire.name}” has no luminous flux; give it one in lm.")
     distribution, shape, width, length = _emission(luminaire)
@@ -64,7 +66,7 @@ def source(luminaire: Luminaire) -> Source:
         flux = photometry.luminous_flux(distribution)
     if shape == "round":
         length = length or width
-    if width * length == 0:
+    if width == length == 0:
         shape = "point"
     return Source(luminaire.name, distribution, shape, width, length, flux, axes, pose[:3, 3])
 

@@ -14,8 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..core.errors import ParameterError
 
-FOOT = 0.3048
-
 Angles = NDArray[np.float64]
 Opening = Literal["round", "rectangular", "point"]
 

@@ -26,6 +26,13 @@ SURVIVAL = 0.9
 LONGEST = 512
 OFFSET_MM = 1e-3
 OFFSET_SHARE = 2e-6
+NEAR = 2.0
+"""Times the largest coordinate: the corner of a cube is √3 away."""
+
+
+def step_of(stage: Stage) -> float:
+    """How far in mm a photon is set off a surface that it leaves: a few float32 steps."""
+    return OFFSET_MM + OFFSET_SHARE * stage.reach
 
 
 class Plane:
@@ -40,14 +47,18 @@ class Plane:
         self.normal = fixed(receiver.normal)
         # Rows of the inverse: dot with a place on the plane gives its texture coordinate.
         self.to_u, self.to_v = fixed(u / (u @ u)), fixed(v / (v @ v))
+        self.slack = dr.opaque(Float, 2 * step_of(stage))
 
     def meet(self, origin: Any, direction: Any) -> tuple[Any, Any, Any, Any]:
         """Distance (inf where missed), u, v and whether it is met from the gathering side."""
         facing = dr.dot(direction, self.normal)
-        distance = dr.dot(self.origin - origin, self.normal) / facing
+        height = dr.dot(origin - self.origin, self.normal)
+        distance = dr.maximum(-height / facing, 0)
         offset = origin + distance * direction - self.origin
         u, v = dr.dot(offset, self.to_u), dr.dot(offset, self.to_v)
-        met = (distance > 0) & (u >= 0) & (u < 1) & (v >= 0) & (v < 1)
+        # A photon that has just left glass on the plane may stand a step behind it.
+        ahead = dr.select(facing < 0, height > -self.slack, height < -self.slack)
+        met = ahead & (u >= 0) & (u < 1) & (v >= 0) & (v < 1)
         return dr.select(met, distance, dr.inf), u, v, facing < 0
 
 
@@ -73,11 +84,12 @@ def trace_batch(
     stage: Stage, plane: Plane, emitter: Emitter, count: int, polarised: bool, seed: tuple[int, ...]
 ) -> Landing:
     """Send ``count`` photons of one luminaire and follow each to its end."""
-    cell = mi.UInt32(draw(emitter.emission, count, np.random.default_rng(seed)))
-    key = int(np.random.SeedSequence(seed).generate_state(1)[0])
+    cell = mi.UInt32(draw(emitter.emission, count, np.random.default_rng((1, *seed))))
+    key = int(np.random.SeedSequence((2, *seed)).generate_state(1)[0])
     scrambled = mi.sample_tea_32(dr.opaque(UInt32, key), dr.arange(UInt32, count))
     random = mi.PCG32(initstate=mi.UInt64(scrambled[0]), initseq=mi.UInt64(scrambled[1]))
     origin, direction, weight = emitter.emit(cell, random)
+    origin = _near(origin, direction, stage)
     state = Photon(
         origin=origin,
         direction=direction,
@@ -101,6 +113,12 @@ def trace_batch(
     )
 
 
+def _near(origin: Any, direction: Any, stage: Stage) -> Any:
+    """Start photons of far lamps where they come near the scene: float32 is fine only there."""
+    ahead = -dr.dot(mi.Vector3f(origin), direction) - NEAR * stage.reach
+    return origin + dr.maximum(ahead, 0) * direction
+
+
 def _step(p: Photon, stage: Stage, plane: Plane) -> Photon:
     """From one surface to the next."""
     distance, u, v, front = plane.meet(p.origin, p.direction)
@@ -109,7 +127,8 @@ def _step(p: Photon, stage: Stage, plane: Plane) -> Photon:
         fate = dr.select(landed, dr.select(front, UInt32(LANDED), UInt32(ABSORBED)), p.fate)
         return replace(p, fate=fate, u=u, v=v, active=Bool(False))
 
-    ray = mi.Ray3f(p.origin, p.direction, distance, 0.0, [])
+    # Glass that lies on the plane comes before it.
+    ray = mi.Ray3f(p.origin, p.direction, distance + plane.slack, 0.0, [])
     hit = stage.scene.ray_intersect_preliminary(ray, coherent=False, active=p.active)
     met = p.active & hit.is_valid()
     on_plane = p.active & ~met & dr.isfinite(distance)
@@ -144,7 +163,7 @@ def _scatter(p: Photon, stage: Stage, hit: Any) -> Photon:
 
     absorbed = p.active & outcome.absorbed
     # Leave the surface by a few float32 steps to the side where the photon goes on.
-    step = OFFSET_MM + OFFSET_SHARE * stage.reach
+    step = step_of(stage)
     place = p.origin + hit.t * p.direction
     place += dr.select(outside == outcome.through, -step, step) * flat
     specular = dr.maximum(p.route, UInt32(CAUSTIC))

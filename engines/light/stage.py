@@ -49,15 +49,16 @@ def build(scene: Scene) -> Stage:
     Raises SceneError for an open or inside-out dielectric and for a body without faces.
     """
     mi = runtime.mitsuba()
-    corners = [b.mesh.vertices for b in scene.bodies] or [_corners(r) for r in scene.receivers]
+    for body in scene.bodies:
+        _check(body)
+    bounds = [b.mesh.vertices[b.mesh.faces].reshape(-1, 3) for b in scene.bodies]
+    corners = bounds or [_corners(r) for r in scene.receivers]
     low, high = (f(np.concatenate(corners), axis=0) for f in (np.min, np.max))
     centre = (low + high) / 2
     receivers = [_corners(r) for r in scene.receivers]
     reach = float(np.abs(np.concatenate(corners + receivers) - centre).max() * MM)
     if not scene.bodies:
         return Stage(centre, None, None, reach, frozenset(), (np.zeros((0, 3)), 0.0))
-    for body in scene.bodies:
-        _check(body)
     vertices, faces, records = _soup(scene.bodies, centre)
     mesh = mi.Mesh("bodies", len(vertices), len(faces))
     handle = mi.traverse(mesh)

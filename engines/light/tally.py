@@ -59,6 +59,11 @@ class Tally:
         """Σw a texel (T,) of the photons counted."""
         return self.routes.sum(axis=0) if self.everything else self.routes[1:].sum(axis=0)
 
+    @property
+    def typical(self) -> float:
+        """The flux that a photon stands for on average."""
+        return self.traced / max(self.emitted, 1)
+
     def per_photon(self, value: float) -> float:
         """A sum as lm."""
         return value / max(self.emitted, 1)

@@ -37,6 +37,9 @@ class PhotonTracing:
     )
     landed: int = param(1_000_000, "", 1000, 200_000_000, "Photons to land on the receiver")
     seconds: float = param(30.0, "s", 0.1, 86400.0, "Time to trace for")
+    at_most: float = param(
+        3600.0, "s", 1.0, 604800.0, "Stop after this time in any case, with what was reached"
+    )
     fresnel: Literal["averaged", "polarised"] = param(
         "averaged",
         help="Reflectance averaged over polarisations at each surface as Radiance does, or exact "
@@ -139,8 +142,8 @@ def _batches(
     seed: int,
     progress: Progress,
     notes: list[str],
-) -> float:
-    """Trace batch after batch until there is enough; returns the error reached."""
+) -> float | None:
+    """Trace batch after batch until there is enough; the error reached, None without a landing."""
     from . import photons
 
     staged, plane = scene
@@ -151,7 +154,7 @@ def _batches(
     count, batch = PILOT, 0
     progress(0.0, "Compiling")
     while True:
-        sent = np.random.default_rng((seed, batch)).multinomial(count, share)
+        sent = np.random.default_rng((0, seed, batch)).multinomial(count, share)
         for index in np.flatnonzero(sent):
             key = (seed, batch, int(index))
             landing = photons.trace_batch(
@@ -160,14 +163,22 @@ def _batches(
             tally.add(landing, share[index])
         batch += 1
         error = interval.error(tally.total, tally.square)
-        if tally.landed == 0 and batch >= HOPELESS:
-            notes.append("None of the photons landed on the receiver: no caustic light.")
-            return 0.0
-        more = _times_more(tally, tracing, error, time.perf_counter() - began)
-        if more <= 1.0:
-            return error
+        elapsed = time.perf_counter() - began
+        more = _times_more(tally, tracing, error, elapsed)
+        if more <= 1.0 or (tally.landed == 0 and batch >= HOPELESS):
+            break
+        if elapsed > tracing.at_most:
+            notes.append(f"Stopped after {elapsed:.0f} s, before what was asked was reached.")
+            break
         progress(1.0 / more, _said(tally, error))
         count = int(np.clip(1.02 * tally.emitted * (more - 1.0), SMALLEST, BATCH))
+    if tally.landed == 0:
+        notes.append(
+            f"None of {tally.emitted:,} photons landed on the receiver: no caustic light is known, "
+            "only its upper bound."
+        )
+        return None
+    return error
 
 
 def _times_more(tally: Tally, tracing: PhotonTracing, error: float, elapsed: float) -> float:
@@ -202,11 +213,13 @@ def _result(
     illuminance = direct + caustic + indirect
     total = tally.total.reshape(computed.shape) * lux
     low, high = (
-        b.reshape(computed.shape) * lux for b in interval.interval(tally.total, tally.square)
+        b.reshape(computed.shape) * lux
+        for b in interval.interval(tally.total, tally.square, tally.typical)
     )
     lower = illuminance - np.hypot(total - low, spread)
     upper = illuminance + np.hypot(high - total, spread)
-    mean_spread = interval.Z * np.sqrt(tally.square.sum()) * lux / illuminance.size
+    traced_spread = interval.Z * np.sqrt(tally.square.sum()) * lux / illuminance.size
+    shadow_spread = np.sqrt(np.square(spread).sum()) / illuminance.size
     smooth = (
         illuminance
         - total
@@ -221,7 +234,8 @@ def _result(
             "unit": "lx",
             "receiver": receiver.name,
             "size": [float(np.linalg.norm(receiver.u)), float(np.linalg.norm(receiver.v))],
-            "mean_half_width": float(np.hypot(mean_spread, spread.mean())),
+            "mean_half_width": float(np.hypot(traced_spread, shadow_spread)),
+            "traced_half_width": float(traced_spread),
             "photons": {"emitted": tally.emitted, "landed": tally.landed},
             "flux": tally.account(emitted, float(computed.sum()) * area),
             **meta,

@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 from heliform.engines.core.errors import SceneError
+from heliform.engines.core.files import draft_of
 from heliform.engines.core.worker import main
 
 
@@ -32,7 +33,7 @@ def endless(out, progress, **asked):
 
 def stuck(out, progress, **asked):
     """Sleep in C like a long kernel; where it can be had, with Python's lock held."""
-    out.with_name(out.name + ".part").mkdir()
+    draft_of(out).mkdir()
     progress(0.1, "Into C")
     sleep = time.sleep if sys.platform == "win32" else ctypes.PyDLL(None).sleep
     sleep(60)

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from heliform.engines.core.errors import FileError, HeliformError
+from heliform.engines.core.meshes import load_mesh
 from heliform.engines.core.run import run_study
 from heliform.engines.core.scene import (
     Body,
@@ -18,6 +19,7 @@ from heliform.engines.core.scene import (
 )
 from heliform.engines.core.study import load_study, save_study
 from heliform.engines.light import TRACE_PHOTONS, IrradianceMap, PhotonTracing
+from heliform.engines.light.luminaires import source
 from light import scenes
 
 SMALL = """
@@ -112,6 +114,18 @@ def test_quick_and_settings_override_in_this_order(small):
         ("seed=-1", "0 to 2147483647"),
         ("nonsense", "section.key=value"),
         ("heliform=2", "update Heliform"),
+        ("quick=true", "should be a table"),
+        ("bodies=5", "should be a table"),
+        ("title=5", "should be text"),
+        ("parameters=1", "should be a table"),
+        ("cases=[1]", "should be a table"),
+        ("cases.all=1", "should be a table"),
+        ("lamps.Spot.file=5", "should be text"),
+        ("lamps.Spot.scale=[2, 2, 2]", "which a lamp cannot"),
+        ('bodies."Vase ä/1".scale=[0, 1, 1]', "scale of 0"),
+        ('bodies."Vase ä/1".on="no"', "true or false"),
+        ('bodies."Vase ä/1".material=1', "should be a table"),
+        ("display={automatic=false, low=10.0, high=5.0}", "10"),
     ],
 )
 def test_what_is_wrong_is_named_with_its_remedy(small, setting, said):
@@ -160,11 +174,31 @@ def test_a_saved_scene_reads_back_as_it_was(tmp_path):
     assert (one.columns, one.rows) == (other.columns, other.rows)
 
 
+def test_lamps_with_files_of_the_same_name_keep_their_own(tmp_path):
+    lamps = []
+    for name, candela in (("a", 100), ("b", 200)):
+        (tmp_path / name).mkdir()
+        file = tmp_path / name / "lamp.ies"
+        head = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n"
+        file.write_text(f"{head}{candela} {candela}\n")
+        lamps.append(Luminaire(name, Lamp(file=str(file)), scenes.at(z=1)))
+    scene = Scene((), tuple(lamps), (scenes.floor(1.0, 8),))
+    path = save_study(tmp_path / "out", "T", scene, TRACE_PHOTONS, PhotonTracing(), 0)
+    read = load_study(path).cases[0].scene.luminaires
+    assert source(read[1]).flux == pytest.approx(2 * source(read[0]).flux)
+
+
+def test_a_damaged_copy_of_a_mesh_is_named(tmp_path):
+    np.savez(tmp_path / "a.npz", vertices=np.zeros((3, 3)), faces=np.array([[0, 1, 7]]))
+    with pytest.raises(FileError, match=r"a\.npz"):
+        load_mesh(tmp_path / "a.npz")
+
+
 def test_running_a_study_writes_its_results_and_they_load_back_equal(small, tmp_path):
     out = tmp_path / "out ä"
     files = run_study(small, out)
     assert all((out / name).is_file() for name in files)
-    assert not list(tmp_path.glob("*.part"))
+    assert not list(tmp_path.glob(".*"))
     summary = json.loads((out / "result.json").read_text(encoding="utf-8"))
     assert summary["files"] == files
     assert {"study", "heliform", "seed", "quick", "seconds", "figures", "notes"} <= set(summary)

@@ -27,7 +27,7 @@ def photons(expected, weights, cases, seed=5):
 def test_many_equal_photons_are_held_in_95_of_100_cases(expected):
     """Within 1 % of 0.95: the steps of a Poisson count allow no better, and 40,000 cases tell."""
     total, square = photons([expected], [0.3], 40_000)
-    low, high = interval.interval(total, square)
+    low, high = interval.interval(total, square, 0.3)
     assert np.mean((low <= 0.3 * expected) & (0.3 * expected <= high)) == pytest.approx(
         0.95, abs=0.01
     )
@@ -36,7 +36,7 @@ def test_many_equal_photons_are_held_in_95_of_100_cases(expected):
 @pytest.mark.parametrize("expected", [0.5, 1.0, 3.0, 8.0, 15.0, 24.0])
 def test_few_equal_photons_are_held_at_least_as_often(expected):
     total, square = photons([expected, 100.0], [0.3], 40_000)
-    low, high = (bound[0] for bound in interval.interval(total, square))
+    low, high = (bound[0] for bound in interval.interval(total, square, 0.3))
     held = (low <= 0.3 * expected) & (0.3 * expected <= high)
     assert np.mean(held) > 0.95 - 3 * np.sqrt(0.05 * 0.95 / 40_000)
 
@@ -47,14 +47,14 @@ def test_photons_of_unequal_weight_are_held_too(weights):
     expected = np.array([60.0, 400.0])
     total, square = photons(expected, weights, 40_000)
     truth = (expected * np.mean(weights))[:, None]
-    low, high = interval.interval(total, square)
+    low, high = interval.interval(total, square, np.mean(weights))
     held = np.mean((low <= truth) & (truth <= high), axis=1)
     assert held == pytest.approx(0.95, abs=0.015)
 
 
 def test_a_texel_without_a_hit_may_still_get_3_7_photons():
     """Garwood's bounds, of the map's mean weight where a texel has none of its own."""
-    low, high = interval.interval(np.array([0.0, 8.0]), np.array([0.0, 16.0]))
+    low, high = interval.interval(np.array([0.0, 8.0]), np.array([0.0, 16.0]), 2.0)
     assert low[0] == 0
     assert high[0] == pytest.approx(2.0 * chi2.ppf(0.975, 2) / 2)
     assert low[1] == pytest.approx(2.0 * chi2.ppf(0.025, 8) / 2)
@@ -63,15 +63,15 @@ def test_a_texel_without_a_hit_may_still_get_3_7_photons():
 
 def test_the_bounds_scale_with_the_light():
     total, square = photons([2.0, 20.0, 200.0], [0.5, 1.0], 50)
-    low, high = interval.interval(total, square)
-    scaled = interval.interval(7 * total, 49 * square)
+    low, high = interval.interval(total, square, 0.75)
+    scaled = interval.interval(7 * total, 49 * square, 7 * 0.75)
     np.testing.assert_allclose(scaled, (7 * low, 7 * high))
 
 
 def test_the_bounds_enclose_the_sum_and_join_where_few_become_many():
     """To a photon: Garwood's lower bound of 25 is 16.2, the score interval's 16.9."""
     count = np.linspace(0.01, 200, 20_000)
-    low, high = interval.interval(count, count.copy())
+    low, high = interval.interval(count, count.copy(), 1.0)
     assert (low < count).all()
     assert (high > count).all()
     assert np.diff(low).max() < 1.0
