@@ -4,6 +4,8 @@ Bodies are covered by balls, the opening by points with a covering radius; a cel
 of it could touch a ball. The cover errs only to the safe side, so leaving cells out is unbiased.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
@@ -22,29 +24,24 @@ def cover(
     """Balls that contain the triangles ``faces`` (T, 3): centres (K, 3) and their common radius.
 
     The centres are those of the voxels that a vertex lies in; no place of a triangle is farther
-    than longest edge ÷ √3 from a corner. Triangles larger than a voxel are split until they fit.
+    than longest edge ÷ √3 from a corner. Triangles larger than a voxel get a lattice of places.
     """
     used = np.zeros(len(vertices), bool)
     used[faces] = True
     corners = vertices[used]
     low, high = corners.min(axis=0), corners.max(axis=0)
     size = max(float((high - low).max()) / VOXELS, 1e-9)
-    reach = _longest_edges(vertices[faces])
+    triangles = vertices[faces]
+    reach = _longest_edges(triangles)
     large = reach > size
-    pieces = vertices[faces[large]]
     longest = float(reach[~large].max(initial=0.0))
-    places = [corners]
-    while len(pieces):
-        pieces = _split(pieces)
-        places.append(pieces.reshape(-1, 3))
-        reach = _longest_edges(pieces)
-        longest = max(longest, float(reach[reach <= size].max(initial=0.0)))
-        pieces = pieces[reach > size]
+    places = [corners, *_lattices(triangles[large], size)]
     index = ((np.concatenate(places) - low) / size).astype(np.int32).clip(0, VOXELS - 1)
     occupied = np.zeros((VOXELS,) * 3, bool)
     occupied[tuple(index.T)] = True
     centres = low + (np.argwhere(occupied) + 0.5) * size
-    return centres, size * np.sqrt(3) / 2 + longest / np.sqrt(3)
+    between = max(longest / np.sqrt(3), size * np.sqrt(1.25) if large.any() else 0.0)
+    return centres, size * np.sqrt(3) / 2 + between
 
 
 def _longest_edges(triangles: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -56,15 +53,27 @@ def _longest_edges(triangles: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.sqrt(square)
 
 
-def _split(triangles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Each triangle cut in two at the middle of its longest edge."""
-    edges = triangles - np.roll(triangles, -1, axis=1)
-    first = np.einsum("tij,tij->ti", edges, edges).argmax(axis=1)
+def _lattices(triangles: NDArray[np.float64], size: float) -> Iterator[NDArray[np.float64]]:
+    """Places (…, 3) on triangles (T, 3, 3) no farther than √1.25 ``size`` from any of theirs.
+
+    They lie in rows along the longest edge, ``size`` apart: the feet of a triangle's places on
+    its longest edge are within that edge, so each is within ``size`` of the row below it.
+    """
+    if not len(triangles):
+        return
+    edges = np.roll(triangles, -1, axis=1) - triangles
+    square = np.einsum("tij,tij->ti", edges, edges)
+    first = square.argmax(axis=1)
     order = (first[:, None] + np.arange(3)) % 3
     a, b, c = np.take_along_axis(triangles, order[..., None], axis=1).transpose(1, 0, 2)
-    middle = (a + b) / 2
-    halves = [(a, middle, c), (middle, b, c)]
-    return np.concatenate([np.stack(half, axis=1) for half in halves])
+    length = np.sqrt(square.max(axis=1))
+    height = np.linalg.norm(np.cross(b - a, c - a), axis=1) / length
+    steps = np.ceil(np.column_stack([length, height]) / size).astype(int).clip(1)
+    for along, up in np.unique(steps, axis=0):
+        these = (steps == (along, up)).all(axis=1)
+        u, v = np.linspace(0, 1, along + 1)[:, None, None, None], np.linspace(0, 1, up + 1)
+        v = v[:, None, None]
+        yield ((1 - v) * (a[these] + u * (b - a)[these]) + v * c[these]).reshape(-1, 3)
 
 
 def opening_points(source: Source) -> tuple[NDArray[np.float64], float]:
