@@ -38,7 +38,7 @@ from heliform.engines.light import kernel
 from heliform.engines.light.ies import sample_path
 from peers import radiance, tube
 
-PHOTONS = (100_000, 300_000, 1_000_000, 2_000_000, 4_000_000)
+PHOTONS = (100_000, 300_000, 1_000_000, 2_000_000)
 BANDWIDTHS = ((20,), (50,), (100,), (200,), (400,), (20, 200))
 WIDTHS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6)
 MOST = 170
