@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..core import runtime
 from ..core.errors import SceneError
-from ..core.scene import Body, Receiver, Scene
+from ..core.scene import Body, Mesh, Receiver, Scene
 from ..core.solid import require_solid
 from . import aim
 
@@ -51,8 +51,7 @@ def build(scene: Scene) -> Stage:
     mi = runtime.mitsuba()
     for body in scene.bodies:
         _check(body)
-    bounds = [b.mesh.vertices[b.mesh.faces].reshape(-1, 3) for b in scene.bodies]
-    corners = bounds or [_corners(r) for r in scene.receivers]
+    corners = [_used(b.mesh) for b in scene.bodies] or [_corners(r) for r in scene.receivers]
     low, high = (f(np.concatenate(corners), axis=0) for f in (np.min, np.max))
     centre = (low + high) / 2
     receivers = [_corners(r) for r in scene.receivers]
@@ -75,6 +74,13 @@ def build(scene: Scene) -> Stage:
         middle, radius = covered.result()
     balls = middle / MM + centre, radius / MM
     return Stage(centre, loaded, mi.Float(records.ravel()), reach, kinds, balls)
+
+
+def _used(mesh: Mesh) -> NDArray[np.float64]:
+    """The vertices that have a face; loose ones may lie anywhere."""
+    used = np.zeros(len(mesh.vertices), bool)
+    used[mesh.faces] = True
+    return mesh.vertices[used]
 
 
 def _check(body: Body) -> None:
