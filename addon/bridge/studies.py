@@ -51,6 +51,7 @@ def stage_study(
         scene.view_settings.view_transform = "Standard"
     stage.show_in_views(bpy.context)
     with written(blend) as draft:
+        draft.unlink()  # Blender would keep it as an older version
         bpy.ops.wm.save_as_mainfile(filepath=str(draft), check_existing=False, compress=True)
 
 
