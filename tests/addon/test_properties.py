@@ -24,7 +24,7 @@ RECORDS = {
     ],
     "material": [Material(kind="mirror", reflectance=0.04), Material(ior=1.516)],
     "lamp": [Lamp(source="disk", flux=1234.5, width=0.3), Lamp(file="//ä b/c.ies")],
-    "plane": [Plane(width=12.34567, length=0.001, resolution=8192)],
+    "plane": [Plane(width=12.34567, length=0.001, resolution=4096)],
     "photon_tracing": [
         PhotonTracing(until="landed", landed=200_000_000, seconds=0.1, repair=True),
         PhotonTracing(fresnel="polarised", error=0.005),

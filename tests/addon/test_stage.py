@@ -24,6 +24,7 @@ def result(tmp_path):
         "size": [0.8, 0.6],
         "error": 0.24,
         "mean_half_width": 1.5,
+        "traced_half_width": 1.5,
         "photons": {"emitted": 22_000_000, "landed": 7_000_000},
         "flux": dict.fromkeys(("emitted", "landed", "absorbed", "escaped", "cut_off"), 1.0),
         "seconds": 1.0,
