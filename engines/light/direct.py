@@ -1,8 +1,8 @@
 """Direct light: the closed form for an unobstructed opening, times the share of it that is seen.
 
-The opening is integrated by a product rule, the texel by 2×2 Gauss points. What the bodies hide is
-found by shadow rays from places drawn anew in several replicates; where they disagree, near the
-edges of shadows, more are cast, and their spread gives the interval.
+Opening and texel are integrated by a product rule, finer where the lamp is close. What the bodies
+hide is found by shadow rays from places drawn anew in several replicates; where they disagree, near
+the edges of shadows, more are cast, and their spread gives the interval.
 """
 
 from typing import Any
@@ -15,6 +15,7 @@ from scipy.special import stdtrit
 from ..core import runtime
 from ..core.scene import Receiver
 from .emission import intensity_grid
+from .interval import CONFIDENCE
 from .luminaires import Source
 from .stage import MM, Stage
 
@@ -55,7 +56,7 @@ def direct_light(
     if mixed.any():
         finer = shares(every[mixed], MORE, 1)
         value[mixed] = finer.mean(axis=0)
-        quantile = float(stdtrit(REPLICATES - 1, 0.975))
+        quantile = float(stdtrit(REPLICATES - 1, 0.5 + CONFIDENCE / 2))
         spread[mixed] = quantile * finer.std(axis=0, ddof=1) / np.sqrt(REPLICATES)
     scale = lit.exitance if source.distribution is None else clear
     return (value * scale).reshape(shape), (spread * scale).reshape(shape)
