@@ -19,7 +19,7 @@ from ..properties import enum_items, group_for, read
 
 CHANNELS = {
     "illuminance": ("illuminance",) * 3,
-    "smooth": ("smooth",) * 3,
+    "smooth": ("smooth", "smooth_half_width", "smooth_bias"),
     "parts": ("direct", "caustic", "indirect"),
     "interval": ("lower", "upper", "half_width"),
 }

@@ -28,6 +28,19 @@ class Material:
     specularity: float = param(
         0.0135, "", 0.0, 1.0, "Share of light that a plastic returns as a mirror does"
     )
+    roughness: float = param(
+        0.0, "", 0.0, 1.0, "GGX width α of a ground glass or satin mirror; 0 is smooth"
+    )
+    absorption: float = param(
+        0.0, "1/m", 0.0, 1e4, "Light in the glass falls to 1/e over 1 ÷ this length"
+    )
+    glass: Literal["own", "soda-lime", "crown", "flint", "water"] = param(
+        "own", help="Where colours are traced: index by the Abbe number below, or as published"
+    )
+    abbe: float = param(0.0, "", 0.0, 200.0, "Abbe number of own glass; 0 does not disperse")
+    priority: int = param(
+        0, "", -100, 100, "Where two bodies overlap, the one of higher priority is there"
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,6 +69,12 @@ class Plane:
     width: float = param(0.8, "m", 1e-3, 1000.0, "Size along X")
     length: float = param(0.8, "m", 1e-3, 1000.0, "Size along Y")
     resolution: int = param(256, "", 1, 4096, "Texels along the longer side")
+    sides: Literal["front", "both"] = param(
+        "front", help="Gather on the side that the normals point to, or on both"
+    )
+    reflectance: float = param(
+        0.0, "", 0.0, 1.0, "Share of light that it returns by Lambert's law; 0 is black"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +152,8 @@ class Receiver:
     v: Vector
     columns: int
     rows: int
+    sides: Literal["front", "both"] = "front"
+    reflectance: float = 0.0
 
     @property
     def normal(self) -> Vector:
@@ -146,12 +167,32 @@ class Receiver:
         return float(np.linalg.norm(np.cross(self.u, self.v)) / (self.columns * self.rows))
 
 
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """A named mesh that gathers light in the texels of its UV map.
+
+    ``mesh`` is of triangles; ``texture`` (F, 3, 2) float64 are its corners' texture coordinates in
+    0..1, no place of which belongs to two faces; ``columns`` along u and ``rows`` along v are the
+    texels of the map.
+    """
+
+    name: str
+    mesh: Mesh
+    texture: NDArray[np.float64]
+    columns: int
+    rows: int
+    sides: Literal["front", "both"] = "front"
+    reflectance: float = 0.0
+
+
 def plane_receiver(name: str, plane: Plane, pose: NDArray[np.float64]) -> Receiver:
     """The receiver that ``plane`` is at a 4×4 ``pose``; texels are as square as they can be."""
     u, v = pose[:3, 0] * plane.width, pose[:3, 1] * plane.length
     sizes = np.array([np.linalg.norm(u), np.linalg.norm(v)])
     columns, rows = np.maximum(np.round(plane.resolution * sizes / sizes.max()), 1).astype(int)
-    return Receiver(name, pose[:3, 3] - (u + v) / 2, u, v, int(columns), int(rows))
+    texels = int(columns), int(rows)
+    corner = pose[:3, 3] - (u + v) / 2
+    return Receiver(name, corner, u, v, *texels, plane.sides, plane.reflectance)
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +201,7 @@ class Scene:
 
     bodies: tuple[Body, ...] = ()
     luminaires: tuple[Luminaire, ...] = ()
-    receivers: tuple[Receiver, ...] = ()
+    receivers: tuple[Receiver | Surface, ...] = ()
 
     def without(self, name: str) -> "Scene":
         """The scene less the body of that name."""

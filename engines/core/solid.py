@@ -62,10 +62,26 @@ def inspect(mesh: Mesh) -> Report:
 
     Takes any mesh, of triangles or quadrilaterals, open or broken as it may be; raises nothing.
     """
+    return _report(mesh, slivers=True)
+
+
+def require_solid(name: str, mesh: Mesh) -> None:
+    """Raise SceneError, naming the glass, unless ``mesh`` is a solid."""
+    report = _report(mesh, slivers=False)
+    if report.faces == 0:
+        raise SceneError(f"Glass “{name}” has no faces; give it a closed mesh or remove it.")
+    if report.problem:
+        raise SceneError(f"Glass “{name}” {report.problem}. {_REMEDY}")
+
+
+def _report(mesh: Mesh, *, slivers: bool) -> Report:
+    """`inspect`; without ``slivers``, only faces that lost a corner count as degenerate."""
     vertices, faces = _merged(mesh)
     usable = _usable(vertices, faces)
-    degenerate = np.count_nonzero(~(_has_area(vertices, faces) & usable))
-    faces = faces[usable]
+    whole = usable & _has_area(vertices, faces) if slivers else usable
+    degenerate = np.count_nonzero(~whole)
+    if not usable.all():
+        faces = faces[usable]
     edges = _edges(faces, len(vertices))
     parts, wrong = 0, np.zeros(0, dtype=bool)
     if len(faces) and edges.sound:
@@ -80,15 +96,6 @@ def inspect(mesh: Mesh) -> Report:
         inside_out=int(np.count_nonzero(wrong)),
         degenerate=int(degenerate),
     )
-
-
-def require_solid(name: str, mesh: Mesh) -> None:
-    """Raise SceneError, naming the glass, unless ``mesh`` is a solid."""
-    report = inspect(mesh)
-    if report.faces == 0:
-        raise SceneError(f"Glass “{name}” has no faces; give it a closed mesh or remove it.")
-    if report.problem:
-        raise SceneError(f"Glass “{name}” {report.problem}. {_REMEDY}")
 
 
 def repair(mesh: Mesh) -> tuple[Mesh, list[str]]:

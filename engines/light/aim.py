@@ -5,6 +5,7 @@ of it could touch a ball. The cover errs only to the safe side, so leaving cells
 """
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +13,14 @@ from scipy.ndimage import maximum_filter1d
 
 from .luminaires import Source
 
-VOXELS = 64
+VOXELS = 32
 OPENING_POINTS = 64
 CLASSES = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 180.0)
 """Angular radii in degrees that the balls are gathered into before their cells are spread."""
 
 
 def cover(
-    vertices: NDArray[np.float64], faces: NDArray[np.integer]
+    vertices: NDArray[np.floating[Any]], faces: NDArray[np.integer]
 ) -> tuple[NDArray[np.float64], float]:
     """Balls that contain the triangles ``faces`` (T, 3): centres (K, 3) and their common radius.
 
@@ -28,14 +29,14 @@ def cover(
     """
     used = np.zeros(len(vertices), bool)
     used[faces] = True
-    corners = vertices[used]
+    corners = vertices if used.all() else vertices[used]
     low, high = corners.min(axis=0), corners.max(axis=0)
     size = max(float((high - low).max()) / VOXELS, 1e-9)
-    triangles = vertices[faces]
-    reach = _longest_edges(triangles)
+    reach = _longest_edges(vertices, faces)
     large = reach > size
     longest = float(reach[~large].max(initial=0.0))
-    places = [corners, *_lattices(triangles[large], size)]
+    triangles = vertices[faces[large]].astype(np.float64)
+    places = [corners, *_lattices(triangles, size)]
     index = ((np.concatenate(places) - low) / size).astype(np.int32).clip(0, VOXELS - 1)
     occupied = np.zeros((VOXELS,) * 3, bool)
     occupied[tuple(index.T)] = True
@@ -44,12 +45,14 @@ def cover(
     return centres, size * np.sqrt(3) / 2 + between
 
 
-def _longest_edges(triangles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The longest edge of each triangle (T, 3, 3), through its square."""
-    square = np.zeros(len(triangles))
-    for i in range(3):
-        edge = triangles[:, i] - triangles[:, i - 1]
-        square = np.maximum(square, np.einsum("ij,ij->i", edge, edge))
+def _longest_edges(
+    vertices: NDArray[np.floating[Any]], faces: NDArray[np.integer]
+) -> NDArray[np.floating[Any]]:
+    """The longest edge of each triangle (T,), through its square."""
+    rows = np.ascontiguousarray(vertices.T)
+    a, b, c = (rows[:, corner] for corner in faces.T)
+    edges = (b - a, c - b, a - c)
+    square = np.max([np.einsum("it,it->t", edge, edge) for edge in edges], axis=0)
     return np.sqrt(square)
 
 

@@ -10,7 +10,10 @@ from numpy.typing import NDArray
 from ..core import exr
 
 Map = NDArray[np.float32]
-MAPS = ("illuminance", "direct", "caustic", "indirect", "half_width", "lower", "upper", "smooth")
+MAPS = (
+    *("illuminance", "direct", "caustic", "indirect", "half_width", "lower", "upper"),
+    *("smooth", "smooth_half_width", "smooth_bias"),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +25,8 @@ class IrradianceMap:
     (scattered by a matte surface); texel means, unfiltered. ``lower`` and ``upper`` bound it with
     95 % confidence, ``half_width`` is half their distance. ``smooth`` is the illuminance with the
     traced light gathered over as many texels as it needs (`kernel.smoothed`): for the eye, and
-    where few photons must do; its blur is in no interval.
+    where few photons must do. ``smooth_half_width`` is the 95 % half-width of its noise,
+    ``smooth_bias`` the estimate of what its blur does; the other bounds are the raw texels'.
 
     ``meta`` says quantity, unit, receiver, size (m), parameters, seed, version, photons, flux (lm),
     error, seconds and notes.
@@ -36,6 +40,8 @@ class IrradianceMap:
     lower: Map
     upper: Map
     smooth: Map
+    smooth_half_width: Map
+    smooth_bias: Map
     meta: dict[str, Any]
 
     @property

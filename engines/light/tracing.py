@@ -48,6 +48,9 @@ class PhotonTracing:
     direct: Literal["computed", "traced"] = param(
         "computed", help="Light that meets no body: closed form with shadow rays, or by photons too"
     )
+    kernel: Literal["adaptive", "none"] = param(
+        "adaptive", help="Smooth map beside the texel means: gathered photons, or no smoothing"
+    )
     repair: bool = param(False, help="Mend open or inside-out glass before tracing")
 
 
@@ -220,13 +223,14 @@ def _result(
     upper = illuminance + np.hypot(high - total, spread)
     traced_spread = interval.Z * np.sqrt(tally.square.sum()) * lux / illuminance.size
     shadow_spread = np.sqrt(np.square(spread).sum()) / illuminance.size
-    smooth = (
-        illuminance
-        - total
-        + lux
-        * kernel.smoothed(tally.total.reshape(computed.shape), tally.square.reshape(computed.shape))
-    )
-    maps = (illuminance, direct, caustic, indirect, (upper - lower) / 2, lower, upper, smooth)
+    half_width = (upper - lower) / 2
+    smooth = illuminance, half_width, np.zeros_like(total)
+    if meta["parameters"]["kernel"] == "adaptive":
+        found = kernel.smoothed(*(s.reshape(computed.shape) for s in (tally.total, tally.square)))
+        noise = np.hypot(found.half_width * lux, spread)
+        smooth = illuminance - total + found.value * lux, noise, found.bias * lux
+        meta["gathered"] = found.gathered
+    maps = (illuminance, direct, caustic, indirect, half_width, lower, upper, *smooth)
     return IrradianceMap(
         *(m.astype(np.float32) for m in maps),
         meta={
