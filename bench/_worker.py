@@ -19,7 +19,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 import numpy as np  # noqa: E402
 from heliform.engines.core.meshes import load_mesh  # noqa: E402
 from heliform.engines.core.runtime import mitsuba  # noqa: E402
-from heliform.engines.light import PhotonTracing, trace  # noqa: E402
+from heliform.engines.light import PhotonTracing  # noqa: E402
+from light.scenes import traced  # noqa: E402
 from peers import tube  # noqa: E402
 from scipy.ndimage import gaussian_filter  # noqa: E402
 
@@ -51,7 +52,7 @@ def one_run(scene, settings: dict) -> dict:
     seed, how = settings.pop("seed", 0), settings.pop("filter", "none")
     out = settings.pop("out", None)
     clock = Clock()
-    result = trace(scene, PhotonTracing(**settings), seed=seed, progress=clock)
+    result = traced(scene, PhotonTracing(**settings), seed=seed, progress=clock)
     clock(1.0, "")
     caustic = result.smooth - result.direct if how == "smooth" else result.caustic
     if not isinstance(how, str):

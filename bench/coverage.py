@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from heliform.engines.core.scene import Lamp, Luminaire, Scene
 from heliform.engines.glass import GlassObject, glass_object
-from heliform.engines.light import PhotonTracing, trace
+from heliform.engines.light import PhotonTracing
 from light import scenes
 
 MANY = 25
@@ -48,16 +48,16 @@ def measure(seeds: int, size: int, error: float, references: int = REFERENCES) -
     """Coverage by expected hits: a row a class, and over ``many`` and ``few`` hits."""
     scene = small_tube(size)
     settings = PhotonTracing(until="error", error=error)
-    landed = trace(scene, settings, seed=0).meta["photons"]["landed"]
+    landed = scenes.traced(scene, settings, seed=0).meta["photons"]["landed"]
     longer = PhotonTracing(until="landed", landed=landed)
     truth, caustic = np.zeros((size, size)), np.zeros((size, size))
     for k in range(references):
-        found = trace(scene, longer, seed=10_000 + k)
+        found = scenes.traced(scene, longer, seed=10_000 + k)
         truth += found.illuminance / references
         caustic += found.caustic / references
     hits, below, above = [], [], []
     for seed in range(1, seeds + 1):
-        found = trace(scene, settings, seed=seed)
+        found = scenes.traced(scene, settings, seed=seed)
         hits.append(caustic / caustic.sum() * found.meta["photons"]["landed"])
         below.append(truth < found.lower)
         above.append(truth > found.upper)

@@ -58,14 +58,41 @@ def false_colour_png(
 
     Raises FileError where the file cannot be written.
     """
-    factor = -(-_SMALLEST // max(values.shape))
-    texels = Image.fromarray(scale.colours(values[::-1]))
-    picture = texels.resize(
-        (texels.width * factor, texels.height * factor), Image.Resampling.NEAREST
-    )
-    size = max(15, min(picture.size) // 32)
-    gap = 3 * size // 2
+    picture = _enlarged(scale.colours(values[::-1]))
+    size = _letter(picture)
     legend = _legend(scale, max(picture.height, 14 * size) + size // 2, size)
+    _save(_sheet(picture, legend, title, note), path)
+
+
+def colour_png(path: Path | str, light: NDArray[np.floating], title: str, note: str) -> None:
+    """Write ``light`` (H, W, 3), linear Rec. 709, row 0 at the bottom, as an eye would see it.
+
+    The brightest 0.5 % are white; otherwise as `false_colour_png`. Raises FileError likewise.
+    """
+    bright = float(np.quantile(light.max(axis=-1), 0.995))
+    shown = np.clip(light[::-1] / (bright or 1.0), 0.0, 1.0)
+    # IEC 61966-2-1
+    encoded = np.where(shown <= 0.0031308, 12.92 * shown, 1.055 * shown ** (1 / 2.4) - 0.055)
+    picture = _enlarged((255 * encoded + 0.5).astype(np.uint8))
+    _save(_sheet(picture, _blank(1, 1), title, note), path)
+
+
+def _enlarged(colours: NDArray[np.uint8]) -> Image.Image:
+    """A map's texels (H, W, 3) as an image, each as a square of pixels where they are few."""
+    factor = -(-_SMALLEST // max(colours.shape[:2]))
+    texels = Image.fromarray(colours)
+    return texels.resize((texels.width * factor, texels.height * factor), Image.Resampling.NEAREST)
+
+
+def _letter(picture: Image.Image) -> int:
+    """The size of the letters beside a picture in pixels."""
+    return max(15, min(picture.size) // 32)
+
+
+def _sheet(picture: Image.Image, legend: Image.Image, title: str, note: str) -> Image.Image:
+    """A picture with its legend to the right, the title above and the note below."""
+    size = _letter(picture)
+    gap = 3 * size // 2
     width = picture.width + gap + legend.width
     heading = _Text.fitted(title, 4 * size // 3, _INK, width)
     footing = _Text.fitted(note, size, _QUIET, picture.width)
@@ -78,7 +105,7 @@ def false_colour_png(
     page.paste(picture, (gap, top))
     page.paste(legend, (gap + picture.width + gap, top))
     footing.draw(draw, gap, below)
-    _save(page, path)
+    return page
 
 
 def legend_image(scale: ColourScale, height: int) -> NDArray[np.uint8]:

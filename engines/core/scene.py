@@ -55,6 +55,7 @@ class Lamp:
     )
     file: str = param("", help="IES LM-63 file; empty takes the PAR20-like sample")
     flux: float = param(0.0, "lm", 0.0, 1e9, "Luminous flux; 0 keeps what the IES file says")
+    multiplier: float = param(1.0, "", 0.0, 1e6, "Dimming or maintenance factor on the light")
     opening: Literal["file", "round", "rectangular"] = param(
         "file", help="Shape of the luminous opening; “file” takes what the IES file says"
     )

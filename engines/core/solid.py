@@ -98,6 +98,12 @@ def _report(mesh: Mesh, *, slivers: bool) -> Report:
     )
 
 
+def encloses(mesh: Mesh, place: Vector) -> bool:
+    """Whether ``place`` (3,) lies inside a closed mesh, by its winding number."""
+    faces = mesh.triangles().faces
+    return abs(_winding(mesh.vertices - place, faces)) > 0.5
+
+
 def repair(mesh: Mesh) -> tuple[Mesh, list[str]]:
     """The solid that ``mesh`` was meant to be, and a note on each thing done to it.
 

@@ -14,10 +14,12 @@ from scipy.special import stdtrit
 
 from ..core import runtime
 from ..core.scene import Receiver
+from .atlas import Texels
 from .emission import intensity_grid
 from .interval import CONFIDENCE
 from .luminaires import Source
 from .stage import MM, Stage
+from .targets import Side
 
 mi = runtime.mitsuba()
 import drjit as dr  # noqa: E402  (loads LLVM: only after the runtime has chosen which)
@@ -28,75 +30,166 @@ REPLICATES = 8
 FIRST, MORE = 2, 64
 """Shadow rays a texel and replicate: to find the edges of shadows, and there."""
 MARGIN = 2
+LIFT = 0.02
+"""Of a texel's width: how far above a mesh its shadow rays begin."""
 GAUSS = 0.5 / np.sqrt(3.0)
 MOST_CUTS = 32
 
 
 def direct_light(
-    stage: Stage, receiver: Receiver, source: Source, seed: tuple[int, ...]
+    stage: Stage, side: Side, chart: Texels | None, source: Source, seed: tuple[int, ...]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Illuminance (rows, columns) in lx of ``source`` on ``receiver``, and its 95 % half-width."""
-    lit = _Light(stage, receiver, source)
-    shape = (receiver.rows, receiver.columns)
-    every = np.arange(receiver.rows * receiver.columns, dtype=np.uint32)
+    """Illuminance (rows, columns) in lx of ``source`` on a side, and its 95 % half-width.
+
+    ``chart`` says what the texels of a mesh cover, None for a plane.
+    """
+    spots = _PlaneSpots(stage, side) if chart is None else _MeshSpots(stage, side, chart)
+    lit = _Light(stage, spots, source)
+    shape = (side.receiver.rows, side.receiver.columns)
+    every = spots.texels
     clear = np.zeros(every.shape) if source.distribution is None else lit.unobstructed(every)
-    if stage.scene is None and source.distribution is not None:
-        return clear.reshape(shape), np.zeros(shape)
+    occluded = stage.scene is not None or len(stage.planes) > 1
+    value, spread = np.zeros(shape[0] * shape[1]), np.zeros(shape[0] * shape[1])
+    if not occluded and source.distribution is not None:
+        value[every] = clear
+        return value.reshape(shape), spread.reshape(shape)
 
     def shares(texels: NDArray[np.uint32], rays: int, stream: int) -> NDArray[np.float64]:
         seeds = np.random.SeedSequence((3, *seed, stream)).generate_state(REPLICATES)
         return np.array([lit.share(texels, rays, int(s)) for s in seeds])
 
     seen = shares(every, FIRST, 0)
-    edges = (seen.min(axis=0) != seen.max(axis=0)).reshape(shape)
-    mixed = np.asarray(binary_dilation(edges, iterations=MARGIN), dtype=bool).ravel()
+    edges = np.zeros(value.shape, bool)
+    edges[every] = seen.min(axis=0) != seen.max(axis=0)
+    mixed = np.asarray(binary_dilation(edges.reshape(shape), iterations=MARGIN)).ravel()[every]
     if source.distribution is None:
-        mixed |= _rim(source, receiver)
-    value, spread = seen.mean(axis=0), np.zeros(every.shape)
+        mixed |= spots.rim(source)
+    share, doubt = seen.mean(axis=0), np.zeros(every.shape)
     if mixed.any():
         finer = shares(every[mixed], MORE, 1)
-        value[mixed] = finer.mean(axis=0)
+        share[mixed] = finer.mean(axis=0)
         quantile = float(stdtrit(REPLICATES - 1, 0.5 + CONFIDENCE / 2))
-        spread[mixed] = quantile * finer.std(axis=0, ddof=1) / np.sqrt(REPLICATES)
+        doubt[mixed] = quantile * finer.std(axis=0, ddof=1) / np.sqrt(REPLICATES)
     scale = lit.exitance if source.distribution is None else clear
-    return (value * scale).reshape(shape), (spread * scale).reshape(shape)
+    value[every], spread[every] = share * scale, doubt * scale
+    return value.reshape(shape), spread.reshape(shape)
+
+
+def _fixed(vector: NDArray[np.float64]) -> Any:
+    return mi.Vector3f(*(dr.opaque(Float, float(c)) for c in vector))
+
+
+class _PlaneSpots:
+    """Places on the texels of a plane, in stage space."""
+
+    def __init__(self, stage: Stage, side: Side) -> None:
+        receiver = side.receiver
+        assert isinstance(receiver, Receiver)
+        self.receiver = receiver
+        self.texels = np.arange(receiver.rows * receiver.columns, dtype=np.uint32)
+        self.corner = mi.Point3f(_fixed(stage.place(receiver.origin)))
+        self.across = _fixed(receiver.u / receiver.columns * MM)
+        self.along = _fixed(receiver.v / receiver.rows * MM)
+        self.facing = _fixed(-receiver.normal if side.back else receiver.normal)
+        self.columns = dr.opaque(UInt32, receiver.columns)
+        sides = [np.linalg.norm(receiver.u), np.linalg.norm(receiver.v)]
+        self.size = float(max(sides[0] / receiver.columns, sides[1] / receiver.rows))
+
+    def place(self, texel: Any, s: Any, t: Any) -> Any:
+        """Places at (s, t) in 0..1 of each texel."""
+        row = texel // self.columns
+        column = texel - row * self.columns
+        return self.corner + self.across * (Float(column) + s) + self.along * (Float(row) + t)
+
+    def normal(self, texel: Any) -> Any:
+        """The unit normal of the lit side."""
+        return self.facing
+
+    def lifted(self, texel: Any) -> Any:
+        """How far in mm above a place its shadow ray begins."""
+        return Float(0)
+
+    def distance(self, place: NDArray[np.float64]) -> float:
+        """From ``place`` to the nearest place of the receiver in m."""
+        receiver = self.receiver
+        way = place - receiver.origin
+        share = [np.clip(way @ e / (e @ e), 0.0, 1.0) for e in (receiver.u, receiver.v)]
+        return float(np.linalg.norm(way - share[0] * receiver.u - share[1] * receiver.v))
+
+    def rim(self, source: Source) -> NDArray[np.bool_]:
+        """Texels (T,) that the outline of a parallel beam crosses."""
+        receiver = self.receiver
+        s = (np.arange(receiver.columns) + 0.5) / receiver.columns
+        t = (np.arange(receiver.rows) + 0.5) / receiver.rows
+        places = receiver.origin + s[None, :, None] * receiver.u + t[:, None, None] * receiver.v
+        reach = np.hypot(
+            np.linalg.norm(receiver.u) / receiver.columns,
+            np.linalg.norm(receiver.v) / receiver.rows,
+        )
+        return _rim(source, places.reshape(-1, 3), float(reach))
+
+
+class _MeshSpots:
+    """Places on the texels of a mesh: about their centroids, on the plane of their mean normal."""
+
+    def __init__(self, stage: Stage, side: Side, chart: Texels) -> None:
+        self.texels = np.flatnonzero(chart.area.ravel() > 0).astype(np.uint32)
+        self.centres = chart.place.reshape(-1, 3)[self.texels]
+        normals = chart.normal.reshape(-1, 3)
+        self.size = float(np.sqrt(chart.area.max()))
+
+        def filed(values: NDArray[np.float64]) -> Any:
+            return Float(values.astype(np.float32).ravel())
+
+        self._centre = filed(stage.place(chart.place.reshape(-1, 3)))
+        self._normal = filed(-normals if side.back else normals)
+        self._width = filed(np.sqrt(chart.area) * MM)
+
+    def place(self, texel: Any, s: Any, t: Any) -> Any:
+        """Places at (s, t) in 0..1 of each texel."""
+        frame = mi.Frame3f(self.normal(texel))
+        width = dr.gather(Float, self._width, texel)
+        centre = dr.gather(mi.Point3f, self._centre, texel)
+        return centre + (frame.s * (s - 0.5) + frame.t * (t - 0.5)) * width
+
+    def normal(self, texel: Any) -> Any:
+        """The unit normal of the lit side."""
+        return dr.gather(mi.Vector3f, self._normal, texel)
+
+    def lifted(self, texel: Any) -> Any:
+        """How far in mm above a place its shadow ray begins: a curved mesh must not hide itself."""
+        return LIFT * dr.gather(Float, self._width, texel)
+
+    def distance(self, place: NDArray[np.float64]) -> float:
+        """From ``place`` to the nearest texel in m."""
+        return float(np.sqrt(np.square(self.centres - place).sum(axis=1).min()))
+
+    def rim(self, source: Source) -> NDArray[np.bool_]:
+        """Texels (T,) that the outline of a parallel beam crosses."""
+        return _rim(source, self.centres, self.size * 2**0.5)
 
 
 class _Light:
-    """One source and one receiver on the device."""
+    """One source and the spots that it lights, on the device."""
 
-    def __init__(self, stage: Stage, receiver: Receiver, source: Source) -> None:
-        def fixed(vector: NDArray[np.float64]) -> Any:
-            return mi.Vector3f(*(dr.opaque(Float, float(c)) for c in vector))
-
-        self.stage, self.receiver, self.source = stage, receiver, source
-        self.corner = mi.Point3f(fixed(stage.place(receiver.origin)))
-        self.across = fixed(receiver.u / receiver.columns * MM)
-        self.along = fixed(receiver.v / receiver.rows * MM)
-        self.normal = fixed(receiver.normal)
-        self.lamp = mi.Point3f(fixed(stage.place(source.origin)))
-        self.axes = [fixed(axis) for axis in source.axes.T]
+    def __init__(self, stage: Stage, spots: _PlaneSpots | _MeshSpots, source: Source) -> None:
+        self.stage, self.spots, self.source = stage, spots, source
+        self.lamp = mi.Point3f(_fixed(stage.place(source.origin)))
+        self.axes = [_fixed(axis) for axis in source.axes.T]
         self.half = [source.length * MM / 2, source.width * MM / 2]
-        self.columns = dr.opaque(UInt32, receiver.columns)
         self.exitance = source.flux / source.area if source.distribution is None else 0.0
         if source.distribution is not None:
             grid = intensity_grid(source.distribution)
             self.shape = [dr.opaque(UInt32, n) for n in grid.shape]
             self.intensity = Float(grid.ravel())
 
-    def place(self, texel: Any, s: Any, t: Any) -> Any:
-        """Places in stage space at (s, t) in 0..1 of each texel."""
-        row = texel // self.columns
-        column = texel - row * self.columns
-        return self.corner + self.across * (Float(column) + s) + self.along * (Float(row) + t)
-
-    def from_opening(self, place: Any, x: Any, y: Any) -> tuple[Any, Any, Any]:
+    def from_opening(self, place: Any, normal: Any, x: Any, y: Any) -> tuple[Any, Any, Any]:
         """Illuminance in lx that the whole flux would give from (x, y) mm, direction, distance."""
         start = self.lamp + self.axes[0] * x + self.axes[1] * y
         ray = place - start
         distance = dr.norm(ray)
         ray /= distance
-        facing = dr.maximum(-dr.dot(ray, self.normal), 0)
+        facing = dr.maximum(-dr.dot(ray, normal), 0)
         return self.toward(ray) * facing / dr.square(distance / MM), ray, distance
 
     def toward(self, ray: Any) -> Any:
@@ -119,13 +212,15 @@ class _Light:
 
     def unobstructed(self, texels: NDArray[np.uint32]) -> NDArray[np.float64]:
         """The closed form: illuminance (T,) in lx with nothing in the way."""
-        rule = _rule(self.source, self.receiver)
+        rule = _rule(self.source, self.spots)
         table = Float(rule.astype(np.float32).ravel())
         texel = UInt32(texels)
+        normal = self.spots.normal(texel)
 
         def add(k: Any, total: Any) -> tuple[Any, Any]:
             s, t, x, y, weight = (dr.gather(Float, table, 5 * k + i) for i in range(5))
-            lux, _, _ = self.from_opening(self.place(texel, s, t), x * MM, y * MM)
+            place = self.spots.place(texel, s, t)
+            lux, _, _ = self.from_opening(place, normal, x * MM, y * MM)
             return k + 1, total + lux * weight
 
         count = dr.opaque(UInt32, len(rule))
@@ -139,18 +234,22 @@ class _Light:
         scrambled = mi.sample_tea_32(dr.opaque(UInt32, seed), texel)
         random = mi.PCG32(initstate=mi.UInt64(scrambled[0]), initseq=mi.UInt64(scrambled[1]))
         beam = self.source.distribution is None
+        normal, lifted = self.spots.normal(texel), self.spots.lifted(texel)
 
         def add(k: Any, whole: Any, seen: Any, random: Any) -> tuple[Any, ...]:
-            place = self.place(texel, random.next_float32(), random.next_float32())
+            place = self.spots.place(texel, random.next_float32(), random.next_float32())
             if beam:
-                lux, ray, distance = self.from_beam(place)
+                lux, ray, distance = self.from_beam(place, normal)
             else:
                 x, y = self.on_opening(random)
-                lux, ray, distance = self.from_opening(place, x, y)
+                lux, ray, distance = self.from_opening(place, normal, x, y)
+            start = place + normal * lifted - ray * 1e-2
             visible = Bool(True)
+            for plane in self.stage.planes:
+                visible &= ~plane.blocks(start, -ray, distance - 2e-2)
             if self.stage.scene is not None:
-                back = mi.Ray3f(place - ray * 1e-2, -ray, distance - 2e-2, 0.0, [])
-                visible = ~self.stage.scene.ray_test(back, active=lux > 0)
+                back = mi.Ray3f(start, -ray, distance - 2e-2, 0.0, [])
+                visible &= ~self.stage.scene.ray_test(back, active=lux > 0)
             return k + 1, whole + (1 if beam else lux), seen + dr.select(visible, lux, 0), random
 
         count = dr.opaque(UInt32, rays)
@@ -171,7 +270,7 @@ class _Light:
             point = 2 * point - 1
         return point.x * self.half[0], point.y * self.half[1]
 
-    def from_beam(self, place: Any) -> tuple[Any, Any, Any]:
+    def from_beam(self, place: Any, normal: Any) -> tuple[Any, Any, Any]:
         """Cosine where the parallel beam passes, 0 elsewhere; its direction and the way come."""
         ray = -self.axes[2]
         offset = place - self.lamp
@@ -180,20 +279,18 @@ class _Light:
         inside = (
             x * x + y * y < 1 if self.source.shape == "round" else dr.maximum(abs(x), abs(y)) < 1
         )
-        facing = dr.maximum(-dr.dot(ray, self.normal), 0)
+        facing = dr.maximum(-dr.dot(ray, normal), 0)
         return dr.select(inside & (distance > 0), facing, 0), ray, distance
 
 
-def _rule(source: Source, receiver: Receiver) -> NDArray[np.float64]:
+def _rule(source: Source, spots: _PlaneSpots | _MeshSpots) -> NDArray[np.float64]:
     """A product rule (P, 5): place in the texel (2) in 0..1, on the opening (2) in m, and weight.
 
     Texels are cut until a tenth of the lamp's distance holds one, openings until they are no
     larger than it: 0.1 % down to a distance of a tenth of the opening, for a 25° beam.
     """
-    distance = max(_distance(source, receiver), 1e-6)
-    sides = np.array([np.linalg.norm(receiver.u), np.linalg.norm(receiver.v)])
-    texel = float((sides / (receiver.columns, receiver.rows)).max())
-    cuts = int(np.clip(np.ceil(10 * texel / distance), 1, MOST_CUTS))
+    distance = max(spots.distance(source.origin), 1e-6)
+    cuts = int(np.clip(np.ceil(10 * spots.size / distance), 1, MOST_CUTS))
     inner = np.concatenate([(np.arange(cuts) + 0.5 + shift) / cuts for shift in (-GAUSS, GAUSS)])
     within = np.stack(np.meshgrid(inner, inner), axis=-1).reshape(-1, 2)
     points, weights = _opening_rule(source, distance)
@@ -228,23 +325,10 @@ def _opening_rule(
     return points.reshape(-1, 2) * half, np.repeat(w / 2, around) / around
 
 
-def _distance(source: Source, receiver: Receiver) -> float:
-    """From the opening's centre to the nearest place of the receiver in m."""
-    way = source.origin - receiver.origin
-    share = [np.clip(way @ e / (e @ e), 0.0, 1.0) for e in (receiver.u, receiver.v)]
-    return float(np.linalg.norm(way - share[0] * receiver.u - share[1] * receiver.v))
-
-
-def _rim(source: Source, receiver: Receiver) -> NDArray[np.bool_]:
-    """Texels (T,) that the outline of a parallel beam crosses."""
-    s = (np.arange(receiver.columns) + 0.5) / receiver.columns
-    t = (np.arange(receiver.rows) + 0.5) / receiver.rows
-    place = receiver.origin + s[None, :, None] * receiver.u + t[:, None, None] * receiver.v
-    local = np.abs((place - source.origin) @ source.axes[:, :2]).reshape(-1, 2)
+def _rim(source: Source, places: NDArray[np.float64], reach: float) -> NDArray[np.bool_]:
+    """Which ``places`` (T, 3) are within ``reach`` m of the outline of a parallel beam."""
+    local = np.abs((places - source.origin) @ source.axes[:, :2])
     half = np.array([source.length, source.width]) / 2
-    reach = np.hypot(
-        np.linalg.norm(receiver.u) / receiver.columns, np.linalg.norm(receiver.v) / receiver.rows
-    )
     if source.shape == "round":
         radius = np.linalg.norm(local, axis=1)
         return np.abs(radius - half[0]) <= reach

@@ -1,34 +1,59 @@
 """The pictures of an irradiance map: false colours with a legend, and the section along u."""
 
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from ..core.colour import Display, scale_for
-from ..core.picture import false_colour_png
-from .irradiance import IrradianceMap
+from ..core.picture import colour_png, false_colour_png
+from .irradiance import COLOURS, Irradiance, IrradianceMap
 from .section import section
 
 
-def draw(result: IrradianceMap, folder: Path, display: Display) -> list[str]:
-    """Write illuminance.png, smooth.png, caustic.png where there is any, section.png and .csv.
+def draw(result: Irradiance, folder: Path, display: Display) -> list[str]:
+    """Write the pictures of every map, see `draw_map`; returns their names.
 
-    Returns their names. Raises FileError where they cannot be written.
+    Those of several receivers begin with the number of the map. Raises FileError where they cannot
+    be written.
+    """
+    files = []
+    for index, one in enumerate(result.maps):
+        prefix = f"{index + 1} " if len(result.maps) > 1 else ""
+        files += draw_map(one, folder, display, prefix)
+    return files
+
+
+def draw_map(result: IrradianceMap, folder: Path, display: Display, prefix: str = "") -> list[str]:
+    """Write illuminance.png, smooth.png, caustic.png and colour.png where there is any light of
+    that kind, and section.png and .csv of a plane; returns their names.
     """
     note = summary(result)
-    scale = scale_for(result.illuminance, display, "Illuminance", "lx")
-    title = f"{result.meta['receiver']}: illuminance"
-    false_colour_png(folder / "illuminance.png", result.illuminance, scale, title, note)
-    title = f"{result.meta['receiver']}: illuminance, smoothed"
-    false_colour_png(folder / "smooth.png", result.smooth, scale, title, note)
-    files = ["illuminance.png", "smooth.png"]
+    files = []
+
+    def picture(name: str, values: Any, quantity: str, title: str) -> None:
+        scale = scale_for(values, display, quantity, "lx")
+        files.append(f"{prefix}{name}.png")
+        false_colour_png(folder / files[-1], values, scale, f"{result.name}: {title}", note)
+
+    picture("illuminance", result.illuminance, "Illuminance", "illuminance")
+    if result.smooth_bias.any():
+        picture("smooth", result.smooth, "Illuminance", "illuminance, smoothed")
     if result.caustic.any():
-        scale = scale_for(result.caustic, display, "Caustic illuminance", "lx")
-        title = f"{result.meta['receiver']}: light through glass and from mirrors"
-        false_colour_png(folder / "caustic.png", result.caustic, scale, title, note)
-        files.append("caustic.png")
-    profile = section(result)
-    profile.save_png(folder / "section.png", display.log)
-    profile.save_csv(folder / "section.csv")
-    return [*files, "section.png", "section.csv"]
+        title = "light through glass and from mirrors"
+        picture("caustic", result.caustic, "Caustic illuminance", title)
+    if result.indirect.any():
+        picture("indirect", result.indirect, "Indirect illuminance", "light from matte surfaces")
+    colour = np.stack([getattr(result, name) for name in COLOURS], axis=-1)
+    if colour.any():
+        files.append(f"{prefix}colour.png")
+        colour_png(folder / files[-1], colour, f"{result.name}: colour", note)
+    if result.inside.all():
+        profile = section(result)
+        profile.save_png(folder / f"{prefix}section.png", display.log)
+        profile.save_csv(folder / f"{prefix}section.csv")
+        files += [f"{prefix}section.png", f"{prefix}section.csv"]
+    return files
 
 
 def summary(result: IrradianceMap) -> str:

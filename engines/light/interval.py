@@ -37,12 +37,14 @@ def interval(total: Map, square: Map, typical: float) -> tuple[Map, Map]:
     return lower * weight, upper * weight
 
 
-def error(total: Map, square: Map) -> float:
-    """The map's error: 95 % half-width ÷ mean, root mean square over texels above FLOOR × mean.
+def error(total: Map, square: Map, area: Map | float = 1.0) -> float:
+    """The error of sums on texels of ``area``: 95 % half-width ÷ mean, root mean square over texels
+    whose light per area is above FLOOR × the mean.
 
     Infinite while nothing has landed.
     """
-    counted = total > FLOOR * total.mean()
+    mean = total.sum() / np.broadcast_to(area, total.shape).sum()
+    counted = total > FLOOR * mean * area
     if not counted.any():
         return float("inf")
     return float(Z * np.sqrt(np.mean(square[counted] / total[counted] ** 2)))

@@ -1,7 +1,6 @@
 """Luminaires as the photon loop and the direct light use them."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,9 +8,9 @@ from numpy.typing import NDArray
 from ..core.errors import SceneError
 from ..core.scene import Luminaire
 from . import ies, photometry
+from .opening import OpeningShape
 from .photometry import Photometry
-
-Shape = Literal["round", "rectangular", "point"]
+from .tilt import lamp_tilt, tilt_factor
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,17 +20,19 @@ class Source:
     ``width`` (along its Y) and ``length`` (along its X) are those of the opening in m; light leaves
     each of its points alike. ``distribution`` is the luminous intensity of the whole opening, or
     None where all light is parallel to the axis. ``flux`` in lm is what leaves it. ``axes`` (3, 3)
-    has the lamp's own X, Y, Z as columns; ``origin`` (3,) m is the opening's centre.
+    has the lamp's own X, Y, Z as columns; ``origin`` (3,) m is the opening's centre. ``notes`` say
+    what the photometric file says otherwise than it is taken.
     """
 
     name: str
     distribution: Photometry | None
-    shape: Shape
+    shape: OpeningShape
     width: float
     length: float
     flux: float
     axes: NDArray[np.float64]
     origin: NDArray[np.float64]
+    notes: tuple[str, ...] = ()
 
     @property
     def area(self) -> float:
@@ -44,8 +45,11 @@ class Source:
 def source(luminaire: Luminaire) -> Source:
     """What a luminaire emits and from where.
 
-    Raises SceneError for a parallel beam without an opening or a lamp without flux, FileError for
-    a photometric file that cannot be read.
+    The flux that the lamp states, or what its photometric file says at the tilt it hangs with,
+    times the lamp's multiplier.
+
+    Raises SceneError for a parallel beam without an opening or a lamp that sends no light,
+    FileError for a photometric file that cannot be read.
     """
     lamp, pose = luminaire.lamp, luminaire.pose
     axes = pose[:3, :3] / np.linalg.norm(pose[:3, :3], axis=0)
@@ -55,25 +59,52 @@ def source(luminaire: Luminaire) -> Source:
         raise SceneError(f"Lamp “{luminaire.name}” has no luminous flux; give it one in lm.")
     distribution, shape, width, length = _emission(luminaire)
     if distribution is None:
-        flux = lamp.flux
+        flux = lamp.flux * lamp.multiplier
         if width * length == 0:
             raise SceneError(
                 f"Lamp “{luminaire.name}” is a beam without an opening; give it a width."
             )
     else:
-        if lamp.source == "ies" and lamp.flux > 0:
-            distribution = photometry.scaled_to(distribution, lamp.flux)
+        distribution = photometry.dimmed(_hung(luminaire, distribution, axes), lamp.multiplier)
         flux = photometry.luminous_flux(distribution)
+    if not flux > 0:
+        raise SceneError(
+            f"Lamp “{luminaire.name}” has a multiplier of {lamp.multiplier:g} and sends no light; "
+            "raise it or remove the lamp."
+        )
     if shape == "round":
         length = length or width
     if width == length == 0:
         shape = "point"
-    return Source(luminaire.name, distribution, shape, width, length, flux, axes, pose[:3, 3])
+    notes = distribution.notes if distribution else ()
+    return Source(
+        luminaire.name, distribution, shape, width, length, flux, axes, pose[:3, 3], notes
+    )
 
 
-def _emission(luminaire: Luminaire) -> tuple[Photometry | None, Shape, float, float]:
+def _hung(luminaire: Luminaire, read: Photometry, axes: NDArray[np.float64]) -> Photometry:
+    """The distribution of a lamp that hangs as ``axes`` say, less its multiplier."""
     lamp = luminaire.lamp
-    asked: Shape = "rectangular" if lamp.opening == "rectangular" else "round"
+    if not photometry.luminous_flux(read) > 0:
+        raise SceneError(
+            f"Lamp “{luminaire.name}” sends no light: the intensity in its photometric file is 0; "
+            "choose another file."
+        )
+    if lamp.flux > 0:
+        return photometry.scaled_to(read, lamp.flux)
+    tilted = lamp_tilt(read.tilt, axes)
+    factor = float(tilt_factor(read.tilt, tilted))
+    if factor == 0:
+        raise SceneError(
+            f"Lamp “{luminaire.name}” sends no light: its photometric file has the tilt factor 0 "
+            f"for {tilted:.0f}°; turn the lamp or choose another file."
+        )
+    return photometry.dimmed(read, factor)
+
+
+def _emission(luminaire: Luminaire) -> tuple[Photometry | None, OpeningShape, float, float]:
+    lamp = luminaire.lamp
+    asked: OpeningShape = "rectangular" if lamp.opening == "rectangular" else "round"
     length = lamp.length if asked == "rectangular" else lamp.width
     match lamp.source:
         case "point":

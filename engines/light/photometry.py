@@ -7,15 +7,15 @@ vertical axis.
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..core.errors import ParameterError
+from .opening import OpeningShape
+from .tilt import Tilt
 
 Angles = NDArray[np.float64]
-Opening = Literal["round", "rectangular", "point"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,19 +34,24 @@ class Photometry:
     in m. A round opening of unequal width and length is an ellipse; a line is a rectangle with one
     side of 0. ``keywords`` maps the file's keywords to their text, the lines of one joined by a
     line break; ``watts`` is the input power in W.
+
+    ``tilt`` says how the light falls when the luminaire is tilted; ``intensity`` and ``flux`` are
+    without it. ``notes`` are sentences on what the file says otherwise than it is taken here.
     """
 
     vertical: Angles
     horizontal: Angles
     intensity: NDArray[np.float64]
     flux: float
-    opening: Opening = "point"
+    opening: OpeningShape = "point"
     width: float = 0.0
     length: float = 0.0
     height: float = 0.0
     name: str = ""
     keywords: dict[str, str] = field(default_factory=dict)
     watts: float = 0.0
+    tilt: Tilt | None = None
+    notes: tuple[str, ...] = ()
 
 
 # What a distribution says
@@ -60,13 +65,9 @@ def intensity_at(
     Bilinear between the nodes; 0 where γ is outside the measured range. C may be any angle.
     """
     gamma, c = np.broadcast_arrays(np.asarray(gamma_deg, float), np.mod(c_deg, 360.0))
-    i, u = _locate(photometry.vertical, gamma)
-    j, t = _locate(photometry.horizontal, c)
-    table = photometry.intensity
-    near = (1 - u) * table[j, i] + u * table[j, i + 1]
-    far = (1 - u) * table[j + 1, i] + u * table[j + 1, i + 1]
+    light = bilinear(photometry.horizontal, photometry.vertical, photometry.intensity, c, gamma)
     measured = (gamma >= photometry.vertical[0]) & (gamma <= photometry.vertical[-1])
-    return np.where(measured, (1 - t) * near + t * far, 0.0)
+    return np.where(measured, light, 0.0)
 
 
 def luminous_flux(photometry: Photometry) -> float:
@@ -110,6 +111,24 @@ def _full_angle(photometry: Photometry, share: float, c_deg: float) -> float:
     return angle
 
 
+def bilinear(
+    rows: Angles,
+    columns: Angles,
+    table: NDArray[np.float64],
+    row: NDArray[np.float64],
+    column: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """``table`` (R, C) between its nodes ``rows`` (R,) and ``columns`` (C,), two at least of each.
+
+    ``row`` and ``column`` are arrays of one shape; beyond the nodes the last slope goes on.
+    """
+    i, u = _locate(columns, column)
+    j, t = _locate(rows, row)
+    near = (1 - u) * table[j, i] + u * table[j, i + 1]
+    far = (1 - u) * table[j + 1, i] + u * table[j + 1, i + 1]
+    return (1 - t) * near + t * far
+
+
 def _locate(nodes: Angles, at: NDArray[np.float64]) -> tuple[NDArray[np.intp], Angles]:
     """The interval of ``nodes`` that holds each of ``at``, and how far along it lies."""
     i = np.clip(np.searchsorted(nodes, at, side="right") - 1, 0, len(nodes) - 2)
@@ -143,6 +162,13 @@ def scaled_to(photometry: Photometry, flux: float) -> Photometry:
         )
     intensity = photometry.intensity * (flux / present)
     return dataclasses.replace(photometry, intensity=intensity, flux=float(flux))
+
+
+def dimmed(photometry: Photometry, factor: float) -> Photometry:
+    """The same distribution with ``factor`` times the light, and the flux stated for it."""
+    return dataclasses.replace(
+        photometry, intensity=photometry.intensity * factor, flux=photometry.flux * factor
+    )
 
 
 def _axial(flux: float, vertical: Angles, shape: Callable[[Angles], Angles]) -> Photometry:

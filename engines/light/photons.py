@@ -1,16 +1,15 @@
-"""Photons from the luminaires through the glass onto the receiver: one loop, batch by batch."""
+"""Photons from the luminaires through the glass onto the receivers: one loop, batch by batch."""
 
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..core import runtime
-from ..core.scene import Receiver
 from .emission import Emitter, draw
-from .stage import KINDS, RECORD, Stage
+from .stage import KINDS, OWNER, RECORD, Stage
 from .tally import FATES, ROUTES, Landing
+from .targets import NOWHERE, Met, texel_at
 
 mi = runtime.mitsuba()
 import drjit as dr  # noqa: E402  (loads LLVM: only after the runtime has chosen which)
@@ -21,6 +20,7 @@ Float, UInt32, Bool = mi.Float, mi.UInt32, mi.Bool
 
 LANDED, ABSORBED, ESCAPED, CUT_OFF = FATES.values()
 DIRECT, CAUSTIC, INDIRECT = ROUTES.values()
+SURFACE, DIELECTRIC = KINDS.index("surface"), KINDS.index("dielectric")
 ROULETTE_FROM = 32
 SURVIVAL = 0.9
 LONGEST = 512
@@ -30,41 +30,19 @@ NEAR = 2.0
 """Times the largest coordinate: the corner of a cube is √3 away."""
 
 
-def step_of(stage: Stage) -> float:
-    """How far in mm a photon is set off a surface that it leaves: a few float32 steps."""
-    return OFFSET_MM + OFFSET_SHARE * stage.reach
-
-
-class Plane:
-    """A receiver on the device, in stage space."""
-
-    def __init__(self, receiver: Receiver, stage: Stage) -> None:
-        def fixed(vector: NDArray[np.float64]) -> Any:
-            return mi.Vector3f(*(dr.opaque(Float, float(c)) for c in vector))
-
-        u, v = receiver.u * 1000.0, receiver.v * 1000.0
-        self.origin = mi.Point3f(fixed(stage.place(receiver.origin)))
-        self.normal = fixed(receiver.normal)
-        # Rows of the inverse: dot with a place on the plane gives its texture coordinate.
-        self.to_u, self.to_v = fixed(u / (u @ u)), fixed(v / (v @ v))
-        self.slack = dr.opaque(Float, 2 * step_of(stage))
-
-    def meet(self, origin: Any, direction: Any) -> tuple[Any, Any, Any, Any]:
-        """Distance (inf where missed), u, v and whether it is met from the gathering side."""
-        facing = dr.dot(direction, self.normal)
-        height = dr.dot(origin - self.origin, self.normal)
-        distance = dr.maximum(-height / facing, 0)
-        offset = origin + distance * direction - self.origin
-        u, v = dr.dot(offset, self.to_u), dr.dot(offset, self.to_v)
-        # A photon that has just left glass on the plane may stand a step behind it.
-        ahead = dr.select(facing < 0, height > -self.slack, height < -self.slack)
-        met = ahead & (u >= 0) & (u < 1) & (v >= 0) & (v < 1)
-        return dr.select(met, distance, dr.inf), u, v, facing < 0
+def step_at(place: Any) -> Any:
+    """How far in mm a photon is set off a surface at ``place``: a few float32 steps there."""
+    largest = dr.maximum(dr.maximum(dr.abs(place.x), dr.abs(place.y)), dr.abs(place.z))
+    return OFFSET_MM + OFFSET_SHARE * largest
 
 
 @dataclass
 class Photon:
-    """The state that travels through the loop, a photon a lane."""
+    """The state that travels through the loop, a photon a lane.
+
+    ``inside`` has a bit for each medium that the photon is in, lowest first; ``band`` is its place
+    among the wavelengths, or () where there is one.
+    """
 
     origin: Any
     direction: Any
@@ -73,15 +51,16 @@ class Photon:
     bounces: Any
     route: Any
     fate: Any
-    u: Any
-    v: Any
+    texel: Any
     gained: Any
+    inside: Any
+    band: Any
     random: Any
     light: Any
 
 
 def trace_batch(
-    stage: Stage, plane: Plane, emitter: Emitter, count: int, polarised: bool, seed: tuple[int, ...]
+    stage: Stage, emitter: Emitter, count: int, polarised: bool, seed: tuple[int, ...]
 ) -> Landing:
     """Send ``count`` photons of one luminaire and follow each to its end."""
     cell = mi.UInt32(draw(emitter.emission, count, np.random.default_rng((1, *seed))))
@@ -98,19 +77,20 @@ def trace_batch(
         bounces=dr.zeros(UInt32, count),
         route=dr.full(UInt32, DIRECT, count),
         fate=dr.full(UInt32, ESCAPED, count),
-        u=dr.zeros(Float, count),
-        v=dr.zeros(Float, count),
+        texel=dr.full(UInt32, NOWHERE, count),
         gained=dr.zeros(Float, count),
+        inside=dr.zeros(UInt32, count),
+        band=random.next_float32() if stage.bands > 1 else (),
         random=random,
         light=surfaces.unpolarised(direction) if polarised else (),
     )
     (end,) = dr.while_loop(
-        (state,), lambda p: p.active, lambda p: (_step(p, stage, plane),), label="photons"
+        (state,), lambda p: p.active, lambda p: (_step(p, stage),), label="photons"
     )
-    dr.eval(end.fate, end.route, end.u, end.v, end.weight, end.gained)
-    return Landing(
-        *(a.numpy() for a in (end.fate, end.route, end.u, end.v, end.weight, end.gained))
-    )
+    found = [end.fate, end.route, end.texel, end.weight, end.gained]
+    found += [end.band] if stage.bands > 1 else []
+    dr.eval(found)
+    return Landing(*(a.numpy() for a in found))
 
 
 def _near(origin: Any, direction: Any, stage: Stage) -> Any:
@@ -119,31 +99,116 @@ def _near(origin: Any, direction: Any, stage: Stage) -> Any:
     return origin + dr.maximum(ahead, 0) * direction
 
 
-def _step(p: Photon, stage: Stage, plane: Plane) -> Photon:
+def _step(p: Photon, stage: Stage) -> Photon:
     """From one surface to the next."""
-    distance, u, v, front = plane.meet(p.origin, p.direction)
+    nearest = Met(Float(dr.inf), UInt32(NOWHERE), Float(0), mi.Vector3f(0, 0, 1))
+    slack = 2 * step_at(p.origin)
+    for plane in stage.planes:
+        met = plane.meet(p.origin, p.direction, slack)
+        nearest = dr.select(met.distance < nearest.distance, met, nearest)
     if stage.scene is None:
-        landed = p.active & dr.isfinite(distance)
-        fate = dr.select(landed, dr.select(front, UInt32(LANDED), UInt32(ABSORBED)), p.fate)
-        return replace(p, fate=fate, u=u, v=v, active=Bool(False))
+        return _land(p, p.active & dr.isfinite(nearest.distance), nearest, stage)
 
-    # Glass that lies on the plane comes before it.
-    ray = mi.Ray3f(p.origin, p.direction, distance + plane.slack, 0.0, [])
+    # Glass that lies on a plane comes before it.
+    ray = mi.Ray3f(p.origin, p.direction, nearest.distance + slack, 0.0, [])
     hit = stage.scene.ray_intersect_preliminary(ray, coherent=False, active=p.active)
     met = p.active & hit.is_valid()
-    on_plane = p.active & ~met & dr.isfinite(distance)
-    fate = dr.select(on_plane, dr.select(front, UInt32(LANDED), UInt32(ABSORBED)), p.fate)
-    p = replace(
-        p, fate=fate, u=dr.select(on_plane, u, p.u), v=dr.select(on_plane, v, p.v), active=met
+    on_plane = p.active & ~met & dr.isfinite(nearest.distance)
+    p = replace(p, active=met | on_plane)
+    landed = _land(p, on_plane, nearest, stage)
+    if "surface" in stage.kinds:
+        found, surface = _surface(p, stage, hit, met)
+        landed = dr.select(found, _land(p, found, surface, stage), landed)
+        met &= ~found
+    scattered = _scatter(p, stage, hit, met) if stage.kinds != {"surface"} else p
+    return _roulette(dr.select(met, scattered, landed))
+
+
+def _land(p: Photon, landing: Any, met: Met, stage: Stage) -> Photon:
+    """End the photons that a receiver takes; send the share that it returns on, matte.
+
+    A photon is counted where it ends. Dividing by the share that a receiver takes makes of that
+    what arrives: independent counts, whatever was returned before (`tally.Tally.add`).
+    """
+    going = Bool(False)
+    inside = p.inside
+    absorbed = landing & _tinted(p, stage, met.distance, inside, landing)
+    here = landing & ~absorbed
+    direction, origin, light, route = p.direction, p.origin, p.light, p.route
+    if "reflecting" in stage.features:
+        going = here & (p.random.next_float32(here) < met.reflectance)
+        point = mi.Point2f(p.random.next_float32(here), p.random.next_float32(here))
+        matte = mi.Frame3f(met.normal).to_world(mi.warp.square_to_cosine_hemisphere(point))
+        place = p.origin + met.distance * p.direction
+        origin = dr.select(going, place + step_at(place) * met.normal, origin)
+        direction = dr.select(going, matte, direction)
+        route = dr.select(going, UInt32(INDIRECT), route)
+        if p.light:
+            light = dr.select(going, surfaces.unpolarised(direction), light)
+    gathers = here & ~going & (met.texel != NOWHERE)
+    fate = dr.select(gathers, UInt32(LANDED), UInt32(ABSORBED))
+    return replace(
+        p,
+        origin=origin,
+        direction=direction,
+        light=light,
+        route=route,
+        bounces=p.bounces + 1,
+        fate=dr.select(landing & ~going, fate, p.fate),
+        texel=dr.select(gathers, met.texel, p.texel),
+        active=going,
     )
-    return _roulette(_scatter(p, stage, hit))
 
 
-def _scatter(p: Photon, stage: Stage, hit: Any) -> Photon:
+def _tinted(p: Photon, stage: Stage, distance: Any, inside: Any, active: Any) -> Any:
+    """Whether the medium takes the photon on its way, by chance [Beer–Lambert]."""
+    if "tinted" not in stage.features:
+        return Bool(False)
+    absorption = dr.gather(Float, stage.absorption, _medium(inside), active)
+    return p.random.next_float32(active) >= dr.exp(-absorption * distance)
+
+
+def _medium(inside: Any) -> Any:
+    """The medium of highest rank in a set, 0 for none."""
+    return 32 - dr.lzcnt(inside)
+
+
+def _ior(stage: Stage, p: Photon, medium: Any, active: Any) -> Any:
+    """Index of refraction of a medium at the photon's wavelength."""
+    if stage.bands == 1:
+        return dr.gather(Float, stage.ior, medium, active)
+    place = p.band * (stage.bands - 1)
+    low = dr.minimum(UInt32(place), stage.bands - 2)
+    first = medium * stage.bands + low
+    return dr.lerp(
+        dr.gather(Float, stage.ior, first, active),
+        dr.gather(Float, stage.ior, first + 1, active),
+        place - Float(low),
+    )
+
+
+def _surface(p: Photon, stage: Stage, hit: Any, met: Any) -> tuple[Any, Met]:
+    """Which photons met a receiver's mesh, and where."""
+    row = dr.gather(
+        mi.ArrayXf, stage.triangles, hit.prim_index, met, shape=(RECORD, dr.width(hit.t))
+    )
+    own = dr.gather(mi.ArrayXf, stage.owners, UInt32(row[12]), met, shape=(OWNER, dr.width(hit.t)))
+    s, t = hit.prim_uv.x, hit.prim_uv.y
+    u, v = (row[i] * (1 - s - t) + row[i + 2] * s + row[i + 4] * t for i in range(2))
+    columns, rows, front, back = (dr.reinterpret_array(UInt32, own[i]) for i in range(3, 7))
+    flat = mi.Vector3f(row[9], row[10], row[11])
+    before = dr.dot(p.direction, flat) < 0
+    texel = texel_at(dr.select(before, front, back), u, v, columns, rows)
+    normal = dr.select(before, flat, -flat)
+    return met & (own[0] == SURFACE), Met(hit.t, texel, own[2], normal)
+
+
+def _scatter(p: Photon, stage: Stage, hit: Any, met: Any) -> Photon:
     """Reflect, refract or absorb the photons that met a body."""
     row = dr.gather(
-        mi.ArrayXf, stage.triangles, hit.prim_index, p.active, shape=(RECORD, dr.width(hit.t))
+        mi.ArrayXf, stage.triangles, hit.prim_index, met, shape=(RECORD, dr.width(hit.t))
     )
+    own = dr.gather(mi.ArrayXf, stage.owners, UInt32(row[12]), met, shape=(OWNER, dr.width(hit.t)))
     s, t = hit.prim_uv.x, hit.prim_uv.y
     smooth = dr.normalize(
         mi.Vector3f(*(row[i] * (1 - s - t) + row[i + 3] * s + row[i + 6] * t for i in range(3)))
@@ -152,29 +217,42 @@ def _scatter(p: Photon, stage: Stage, hit: Any) -> Photon:
     outside = dr.dot(p.direction, flat) < 0
     # A smooth normal that faces away from the ray would turn the surface inside out.
     smooth = dr.select((dr.dot(p.direction, smooth) < 0) == outside, smooth, flat)
+
+    # The surface says on which side of its own body the photon is, whatever was lost before.
+    clear = own[0] == DIELECTRIC
+    bit = dr.select(clear, UInt32(1) << (UInt32(dr.maximum(own[1], 1)) - 1), UInt32(0))
+    within, without = p.inside | bit, p.inside & ~bit
+    here = dr.select(outside, without, within)
+    beyond = dr.select(outside, within, without)
+    inner, outer = _medium(within), _medium(without)
+    ior = _ior(stage, p, inner, met) / _ior(stage, p, outer, met)
+    taken = met & _tinted(p, stage, hit.t, here, met)
+
+    rough = own[4] if "rough" in stage.features else ()
     meeting = surfaces.Meeting(
-        p.direction, smooth, flat, outside, row[13], row[14], row[15], p.random, p.active, p.light
+        p.direction, smooth, flat, outside, ior, own[2], own[3], rough, p.random, met, p.light
     )
-    first, *others = (name for name in KINDS if name in stage.kinds)
+    first, *others = (name for name in KINDS if name in stage.kinds - {"surface"})
     outcome = surfaces.SCATTER[first](meeting)
     for name in others:
-        of_kind = row[12] == KINDS.index(name)
+        of_kind = own[0] == KINDS.index(name)
         outcome = dr.select(of_kind, surfaces.SCATTER[name](meeting), outcome)
 
-    absorbed = p.active & outcome.absorbed
+    absorbed = met & (outcome.absorbed | taken)
     # Leave the surface by a few float32 steps to the side where the photon goes on.
-    step = step_of(stage)
     place = p.origin + hit.t * p.direction
-    place += dr.select(outside == outcome.through, -step, step) * flat
-    specular = dr.maximum(p.route, UInt32(CAUSTIC))
+    place += dr.select(outside == outcome.through, -1, 1) * step_at(place) * flat
+    # Between two places of one body nothing is met.
+    seen = dr.select(clear & (inner == outer), p.route, dr.maximum(p.route, UInt32(CAUSTIC)))
     return replace(
         p,
-        origin=dr.select(p.active, place, p.origin),
-        direction=dr.select(p.active, outcome.direction, p.direction),
+        origin=place,
+        direction=outcome.direction,
         fate=dr.select(absorbed, UInt32(ABSORBED), p.fate),
-        route=dr.select(p.active, dr.select(outcome.matte, UInt32(INDIRECT), specular), p.route),
+        route=dr.select(outcome.matte, UInt32(INDIRECT), seen),
+        inside=dr.select(outcome.through, beyond, here),
         bounces=p.bounces + 1,
-        active=p.active & ~absorbed,
+        active=met & ~absorbed,
         light=outcome.light,
     )
 

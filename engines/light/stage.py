@@ -1,9 +1,10 @@
 """The scene as Mitsuba and the photon loop see it: one triangle soup in millimetres.
 
 Mitsuba offsets rays by an amount that grows with the coordinates; in a metre-scaled scene it would
-skip thin printed walls. Therefore all bodies are brought to millimetres about their common centre.
+skip thin printed walls. Therefore all is brought to millimetres about the bodies' common centre.
 """
 
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -13,29 +14,46 @@ from numpy.typing import NDArray
 
 from ..core import runtime
 from ..core.errors import SceneError
-from ..core.scene import Body, Mesh, Receiver, Scene
+from ..core.scene import Body, Mesh, Receiver, Scene, Surface
 from ..core.solid import require_solid
 from . import aim
+from .media import Media, media_of
+from .targets import Plane, Side, first_texels, sides_of
 
 MM = 1000.0
-KINDS = ("dielectric", "mirror", "diffuse", "plastic", "absorber")
+KINDS = ("dielectric", "mirror", "diffuse", "plastic", "absorber", "surface")
+"""What a triangle can belong to: a body of one of the material's kinds, or a receiver."""
 RECORD = 16
-"""Floats a triangle: 9 corner normals, 3 face normal, kind, ior, reflectance, specularity."""
+"""Floats a triangle: 9 corner normals (a surface: 6 texture coordinates), 3 face normal, owner."""
+OWNER = 8
+"""Numbers an owner. A body: kind, rank of its medium, reflectance, specularity, roughness α; a
+surface: kind, 0, reflectance, and with their bits columns, rows, first texels in front and behind.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Stage:
-    """``centre`` (3,) m is the origin of stage space; ``scene`` is None without bodies.
+    """``centre`` (3,) m is the origin of stage space; ``scene`` is None without triangles.
 
-    ``triangles`` holds RECORD floats for each triangle, ``reach`` is the largest coordinate in mm,
-    ``kinds`` which of KINDS occur, ``cover`` balls in m that contain all bodies (see `aim.cover`).
+    ``triangles`` holds RECORD floats for each triangle, ``owners`` OWNER numbers for each body and
+    surface, ``ior`` and ``absorption`` what `Media` has by medium, ``bands`` wavelengths each.
+    ``planes`` are the flat receivers, ``sides`` the sides of all. ``reach`` is the largest
+    coordinate in mm, ``kinds`` which of KINDS occur, ``features`` whether anything is rough, tinted
+    or a reflecting receiver. ``cover`` are balls in m around all that sends light on (`aim.cover`).
     """
 
     centre: NDArray[np.float64]
     scene: Any
     triangles: Any
+    owners: Any
+    ior: Any
+    absorption: Any
+    bands: int
+    planes: tuple[Plane, ...]
+    sides: tuple[Side, ...]
     reach: float
     kinds: frozenset[str]
+    features: frozenset[str]
     cover: tuple[NDArray[np.float64], float]
 
     def place(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -43,32 +61,68 @@ class Stage:
         return (points - self.centre) * MM
 
 
-def build(scene: Scene) -> Stage:
-    """The stage for a scene's bodies.
+def build(scene: Scene, wavelengths: NDArray[np.float64] | None = None) -> Stage:
+    """The stage for a scene, with the indices of its glass at ``wavelengths`` (K,) in nm if any.
 
-    Raises SceneError for an open or inside-out dielectric and for a body without faces.
+    Raises SceneError for an open or inside-out dielectric, for a body without faces, and for glass
+    that touches or hides other glass.
     """
     mi = runtime.mitsuba()
     for body in scene.bodies:
         _check(body)
     bodies = [_extent(b.mesh) for b in scene.bodies]
-    receivers = [_corners(r) for r in scene.receivers]
+    receivers = [
+        _corners(r) if isinstance(r, Receiver) else _extent(r.mesh) for r in scene.receivers
+    ]
     around = np.concatenate(bodies or receivers)
     centre = (around.min(axis=0) + around.max(axis=0)) / 2
     reach = float(np.abs(np.concatenate([around, *receivers]) - centre).max() * MM)
-    if not scene.bodies:
-        return Stage(centre, None, None, reach, frozenset(), (np.zeros((0, 3)), 0.0))
     # The checks and the ray-tracing tree take longest; NumPy and Embree let each other compute.
     with ThreadPoolExecutor(1) as aside:
         checked = aside.submit(_require_solids, scene.bodies)
-        vertices, faces, records = _soup(scene.bodies, centre)
-        covered = aside.submit(aim.cover, vertices, faces)
-        loaded = _tree(vertices, faces)
+        soup = _soup(scene, centre)
+        covered = aside.submit(_cover, scene, soup, centre)
+        loaded = _tree(soup.vertices, soup.faces) if len(soup.faces) else None
         checked.result()
-        middle, radius = covered.result()
-    kinds = frozenset(body.material.kind for body in scene.bodies)
-    balls = middle / MM + centre, radius / MM
-    return Stage(centre, loaded, mi.Float(records.ravel()), reach, kinds, balls)
+        cover = covered.result()
+    media = media_of(scene.bodies, wavelengths)
+    sides = sides_of(scene)
+    planes = tuple(
+        Plane(r, (r.origin - centre) * MM, first_texels(sides, r))
+        for r in scene.receivers
+        if isinstance(r, Receiver)
+    )
+    return Stage(
+        centre=centre,
+        scene=loaded,
+        triangles=mi.Float(soup.records.ravel()) if loaded else None,
+        owners=mi.Float(_owners(scene, media, sides).ravel()) if loaded else None,
+        ior=mi.Float(media.ior.astype(np.float32).ravel()),
+        absorption=mi.Float(media.absorption.astype(np.float32)),
+        bands=media.ior.shape[1],
+        planes=planes,
+        sides=sides,
+        reach=reach,
+        kinds=frozenset(_kinds(scene)),
+        features=frozenset(_features(scene)),
+        cover=cover,
+    )
+
+
+def _kinds(scene: Scene) -> Iterator[str]:
+    yield from (body.material.kind for body in scene.bodies)
+    yield from ("surface" for r in scene.receivers if isinstance(r, Surface))
+
+
+def _features(scene: Scene) -> Iterator[str]:
+    for body in scene.bodies:
+        material = body.material
+        if material.kind in ("dielectric", "mirror") and material.roughness > 0:
+            yield "rough"
+        if material.kind == "dielectric" and material.absorption > 0:
+            yield "tinted"
+    if any(r.reflectance > 0 for r in scene.receivers):
+        yield "reflecting"
 
 
 def _tree(vertices: NDArray[np.float32], faces: NDArray[np.uint32]) -> Any:
@@ -86,6 +140,26 @@ def _tree(vertices: NDArray[np.float32], faces: NDArray[np.uint32]) -> Any:
     group = {"type": "shapegroup", "bodies": mesh}
     instance = {"type": "instance", "group": {"type": "ref", "id": "group"}}
     return mi.load_dict({"type": "scene", "group": group, "instance": instance})
+
+
+def _cover(
+    scene: Scene, soup: "_Soup", centre: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], float]:
+    """Balls around the bodies and the receivers that reflect."""
+    vertices, faces = [soup.vertices], [soup.faces[: soup.sending]]
+    count = len(soup.vertices)
+    for receiver in scene.receivers:
+        if isinstance(receiver, Receiver) and receiver.reflectance > 0:
+            vertices.append(((_corners(receiver) - centre) * MM).astype(np.float32))
+            faces.append(np.array([[0, 1, 3], [0, 3, 2]], np.uint32) + np.uint32(count))
+            count += 4
+    if not sum(map(len, faces)):
+        return np.zeros((0, 3)), 0.0
+    if len(vertices) == 1:
+        middle, radius = aim.cover(vertices[0], faces[0])
+    else:
+        middle, radius = aim.cover(np.concatenate(vertices), np.concatenate(faces))
+    return middle / MM + centre, radius / MM
 
 
 def _extent(mesh: Mesh) -> NDArray[np.float64]:
@@ -111,38 +185,78 @@ def _require_solids(bodies: tuple[Body, ...]) -> None:
             require_solid(body.name, body.mesh)
 
 
-def _soup(
-    bodies: tuple[Body, ...], centre: NDArray[np.float64]
-) -> tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.float32]]:
-    vertices, faces, records, count = [], [], [], 0
-    for body in bodies:
-        mesh = body.mesh.triangles()
+@dataclass(frozen=True, slots=True)
+class _Soup:
+    """All triangles, those of the bodies and of reflecting surfaces first: ``sending`` of them."""
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.uint32]
+    records: NDArray[np.float32]
+    sending: int
+
+
+def _soup(scene: Scene, centre: NDArray[np.float64]) -> _Soup:
+    vertices, faces, records, count, sending = [], [], [], 0, 0
+    for owner, (name, mesh, texture, sends) in enumerate(_meshes(scene)):
         places = ((mesh.vertices - centre) * MM).astype(np.float32)
         # About a vertex of its own, so that a small face far from the centre keeps its direction.
         own = (mesh.vertices - mesh.vertices[mesh.faces[0, 0]]).astype(np.float32)
         normal, area = _face_normals(own, mesh.faces)
         keep = area > 0
         if not keep.any():
-            raise SceneError(f"“{body.name}” has no face with an area; rebuild its mesh.")
-        normals = mesh.normals
+            raise SceneError(f"“{name}” has no face with an area; rebuild its mesh.")
+        corners = mesh.normals if texture is None else texture
+        faces_kept = mesh.faces
         if not keep.all():
-            mesh = Mesh(mesh.vertices, mesh.faces[keep], None)
-            normal, normals = normal[keep], None if normals is None else normals[keep]
-        material = body.material
-        record = np.empty((len(normal), RECORD), np.float32)
-        record[:, :9] = np.tile(normal, 3) if normals is None else normals.reshape(-1, 9)
+            faces_kept, normal = mesh.faces[keep], normal[keep]
+            corners = None if corners is None else corners[keep]
+        record = np.zeros((len(normal), RECORD), np.float32)
+        if corners is None:
+            record[:, :9] = np.tile(normal, 3)
+        else:
+            record[:, : corners[0].size] = corners.reshape(len(normal), -1)
         record[:, 9:12] = normal
-        record[:, 12:] = (
-            KINDS.index(material.kind),
-            material.ior,
-            material.reflectance,
-            material.specularity,
-        )
+        record[:, 12] = owner
         vertices.append(places)
-        faces.append(mesh.faces.astype(np.uint32) + np.uint32(count))
+        faces.append(faces_kept.astype(np.uint32) + np.uint32(count))
         records.append(record)
         count += len(places)
-    return np.concatenate(vertices), np.concatenate(faces), np.concatenate(records)
+        sending += len(normal) if sends else 0
+    if not faces:
+        return _Soup(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32), np.zeros(0), 0)
+    return _Soup(np.concatenate(vertices), np.concatenate(faces), np.concatenate(records), sending)
+
+
+def _meshes(scene: Scene) -> Iterator[tuple[str, Mesh, NDArray[np.float64] | None, bool]]:
+    """Owners in order: name, triangles, a surface's texture, and whether it sends light on."""
+    for body in scene.bodies:
+        yield body.name, body.mesh.triangles(), None, True
+    for surface in _surfaces(scene):
+        yield surface.name, surface.mesh, surface.texture, surface.reflectance > 0
+
+
+def _surfaces(scene: Scene) -> list[Surface]:
+    """The receivers that are meshes, those that reflect first."""
+    surfaces = [r for r in scene.receivers if isinstance(r, Surface)]
+    return sorted(surfaces, key=lambda s: s.reflectance == 0)
+
+
+def _owners(scene: Scene, media: Media, sides: tuple[Side, ...]) -> NDArray[np.float32]:
+    rows = np.zeros((len(scene.bodies) + len(_surfaces(scene)), OWNER), np.float32)
+    for row, body, rank in zip(rows, scene.bodies, media.rank, strict=False):
+        material = body.material
+        row[:5] = (
+            KINDS.index(material.kind),
+            rank,
+            material.reflectance,
+            material.specularity,
+            material.roughness,
+        )
+    for row, surface in zip(rows[len(scene.bodies) :], _surfaces(scene), strict=True):
+        row[:3] = KINDS.index("surface"), 0, surface.reflectance
+        whole = (surface.columns, surface.rows, *first_texels(sides, surface))
+        row[3:7] = np.array(whole, np.uint32).view(np.float32)
+    return rows
 
 
 def _face_normals(

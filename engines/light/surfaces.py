@@ -20,7 +20,9 @@ Float, Bool = mi.Float, mi.Bool
 class Meeting:
     """A photon at a surface: ``smooth`` is the interpolated outward normal, ``flat`` the face's.
 
-    ``outside`` tells the side that it comes from. Both normals agree about it.
+    ``outside`` tells the side that it comes from. Both normals agree about it. ``ior`` is the
+    index on the inner side over that on the outer one; ``roughness`` the GGX width α, or () where
+    nothing is rough.
     """
 
     direction: Any
@@ -30,6 +32,7 @@ class Meeting:
     ior: Any
     reflectance: Any
     specularity: Any
+    roughness: Any
     random: Any
     active: Any
     light: Any
@@ -63,6 +66,11 @@ class Polarisation:
     w: Any
 
 
+def rough_scene(meeting: Meeting) -> bool:
+    """Whether any surface of the scene has facets."""
+    return not isinstance(meeting.roughness, tuple)
+
+
 def unpolarised(direction: Any) -> Polarisation:
     """Natural light along ``direction``."""
     frame = mi.Frame3f(direction)
@@ -71,19 +79,51 @@ def unpolarised(direction: Any) -> Polarisation:
 
 
 def dielectric(meeting: Meeting) -> Outcome:
-    """Reflect or refract by Fresnel's equations.
+    """Reflect or refract by Fresnel's equations, on a facet of the surface where it is rough.
 
     Where the smooth normal would send the photon to the wrong side of the face, the face's own
-    normal decides.
+    normal decides. What a rough surface hides from itself is absorbed.
     """
     chance = meeting.chance()
     fresnel = _exact if meeting.light else _averaged
-    direction, through, light = fresnel(meeting, meeting.smooth, chance)
+    facet, rough = _facet(meeting)
+    direction, through, light = fresnel(meeting, facet, chance)
     beyond = (dr.dot(direction, meeting.flat) < 0) == meeting.outside
-    wrong = beyond != through
+    wrong = (beyond != through) & ~rough
     redone = fresnel(meeting, meeting.flat, chance)
     direction, through, light = dr.select(wrong, redone, (direction, through, light))
-    return Outcome(direction, through, Bool(False), Bool(False), light)
+    hidden = Bool(False)
+    if rough_scene(meeting):
+        hidden = rough & ((beyond != through) | _hidden(meeting, direction, facet))
+    return Outcome(direction, through & ~hidden, hidden, Bool(False), light)
+
+
+def _facet(meeting: Meeting) -> tuple[Any, Any]:
+    """The outward normal of the facet that a photon meets, and whether the surface has facets.
+
+    Facets are drawn as they are seen from the photon's side [Heitz & d'Eon 2014, GGX].
+    """
+    if not rough_scene(meeting):
+        return meeting.smooth, Bool(False)
+    rough = meeting.roughness > 0
+    side = dr.select(meeting.outside, meeting.smooth, -meeting.smooth)
+    frame = mi.Frame3f(side)
+    point = mi.Point2f(meeting.chance(), meeting.chance())
+    facet, _ = _facets(meeting).sample(frame.to_local(-meeting.direction), point)
+    facet = frame.to_world(facet)
+    outward = dr.select(meeting.outside, facet, -facet)
+    return dr.select(rough, outward, meeting.smooth), rough
+
+
+def _facets(meeting: Meeting) -> Any:
+    return mi.MicrofacetDistribution(mi.MicrofacetType.GGX, dr.maximum(meeting.roughness, 1e-4))
+
+
+def _hidden(meeting: Meeting, direction: Any, facet: Any) -> Any:
+    """Whether other facets are in the way out: by chance, with Smith's probability."""
+    frame = mi.Frame3f(meeting.smooth)
+    seen = _facets(meeting).smith_g1(frame.to_local(direction), frame.to_local(facet))
+    return meeting.chance() >= seen
 
 
 def _averaged(meeting: Meeting, normal: Any, chance: Any) -> tuple[Any, Any, Any]:
@@ -130,9 +170,13 @@ def _exact(meeting: Meeting, normal: Any, chance: Any) -> tuple[Any, Any, Polari
 
 
 def mirror(meeting: Meeting) -> Outcome:
-    """Reflect, or absorb the share that a mirror does not return."""
-    direction, light = _shine(meeting)
+    """Reflect, on a facet where it is rough, or absorb the share that a mirror does not return."""
+    facet, rough = _facet(meeting)
+    direction, light = _shine(meeting, facet, rough)
     absorbed = meeting.chance() >= meeting.reflectance
+    if rough_scene(meeting):
+        below = (dr.dot(direction, meeting.flat) > 0) != meeting.outside
+        absorbed |= rough & (below | _hidden(meeting, direction, facet))
     return Outcome(direction, Bool(False), absorbed, Bool(False), light)
 
 
@@ -149,7 +193,7 @@ def diffuse(meeting: Meeting) -> Outcome:
 def plastic(meeting: Meeting) -> Outcome:
     """Radiance's smooth plastic: ``specularity`` shines, the rest meets a matte surface."""
     gloss = meeting.chance() < meeting.specularity
-    direction, light = _shine(meeting)
+    direction, light = _shine(meeting, meeting.smooth, Bool(False))
     shone = Outcome(direction, Bool(False), Bool(False), Bool(False), light)
     return dr.select(gloss, shone, diffuse(meeting))
 
@@ -168,20 +212,23 @@ SCATTER = {
 }
 
 
-def _shine(meeting: Meeting) -> tuple[Any, Any]:
-    """The mirrored direction; where it would dive below the face, the face's own mirror image."""
+def _shine(meeting: Meeting, normal: Any, rough: Any) -> tuple[Any, Any]:
+    """The direction mirrored by ``normal``.
+
+    Where that would dive below a face that is not rough, the face's own mirror image.
+    """
     direction = meeting.direction
 
     def mirrored(normal: Any) -> Any:
         return direction - 2 * dr.dot(direction, normal) * normal
 
-    shone = mirrored(meeting.smooth)
-    dives = (dr.dot(shone, meeting.flat) > 0) != meeting.outside
+    shone = mirrored(normal)
+    dives = ((dr.dot(shone, meeting.flat) > 0) != meeting.outside) & ~rough
     shone = dr.select(dives, mirrored(meeting.flat), shone)
     if not meeting.light:
         return shone, ()
     # A perfect conductor: r_s = −1, r_p = 1.
-    light = _turned(meeting.light, direction, meeting.smooth)
+    light = _turned(meeting.light, direction, normal)
     return shone, Polarisation(light.axis, light.q, -light.u, -light.w)
 
 

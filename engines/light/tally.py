@@ -1,10 +1,15 @@
 """What has landed where and what became of the flux, summed batch by batch."""
 
+import json
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import NamedTuple
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..core.errors import FileError
 
 FATES = {"landed": 1, "absorbed": 2, "escaped": 3, "cut_off": 4}
 """What can become of a photon."""
@@ -15,16 +20,16 @@ ROUTES = {"direct": 0, "caustic": 1, "indirect": 2}
 class Landing(NamedTuple):
     """What became of a batch's photons (N,): ``fate`` as in FATES, ``route`` as in ROUTES.
 
-    ``u``, ``v`` in 0..1 on the receiver where ``fate`` is LANDED; ``weight`` lm at the end, of
-    which roulette gave ``gained``.
+    ``texel`` is where it landed if ``fate`` is LANDED; ``weight`` lm at the end, of which roulette
+    gave ``gained``; ``band`` its place among the wavelengths in 0..1, or None where there is one.
     """
 
     fate: NDArray[np.uint32]
     route: NDArray[np.uint32]
-    u: NDArray[np.float32]
-    v: NDArray[np.float32]
+    texel: NDArray[np.uint32]
     weight: NDArray[np.float32]
     gained: NDArray[np.float32]
+    band: NDArray[np.float32] | None = None
 
 
 @dataclass(slots=True)
@@ -33,25 +38,29 @@ class Tally:
 
     Every photon counts with the whole flux that it stands for: `per_photon` makes lm of a sum.
     ``routes`` (3, T) are Σw a texel by ROUTES, ``square`` (T,) is Σw² of the photons counted, those
-    of direct light only where ``everything`` is traced. ``flux`` is Σw by FATES, with what roulette
-    gave taken off ``cut_off``, ``traced`` is Σw at the start, ``unaimed`` Σw of direct light that
-    landed without being counted.
+    of direct light only where ``everything`` is traced. ``colour`` (2, T) are Σw of X and Z, where
+    Σw is Y, if ``bands`` (K, 4) say what a photon's wavelength weighs (`spectrum.Bands.table`).
+    ``flux`` is Σw by FATES, with what roulette gave taken off ``cut_off``, ``traced`` is Σw at the
+    start, ``unaimed`` Σw of direct light that landed without being counted. ``batches`` is how many
+    were added: the next one's random numbers follow from it.
     """
 
-    rows: int
-    columns: int
+    texels: int
     everything: bool
+    bands: NDArray[np.float32] | None = None
     routes: NDArray[np.float64] = field(init=False)
     square: NDArray[np.float64] = field(init=False)
+    colour: NDArray[np.float64] = field(init=False)
     flux: dict[str, float] = field(init=False)
     traced: float = 0.0
     unaimed: float = 0.0
     emitted: int = 0
     landed: int = 0
+    batches: int = 0
 
     def __post_init__(self) -> None:
-        texels = self.rows * self.columns
-        self.routes, self.square = np.zeros((3, texels)), np.zeros(texels)
+        self.routes, self.square = np.zeros((3, self.texels)), np.zeros(self.texels)
+        self.colour = np.zeros((0 if self.bands is None else 2, self.texels))
         self.flux = dict.fromkeys(FATES, 0.0)
 
     @property
@@ -83,28 +92,69 @@ class Tally:
             straight = on & (landing.route == ROUTES["direct"])
             self.unaimed += float(weight[straight].sum())
             on &= ~straight
-        texel, weight, route = self._texel(landing, on), weight[on], landing.route[on]
+        texel, weight, route = landing.texel[on], weight[on], landing.route[on]
+        if landing.band is not None:
+            of_x, weight, of_z = weight * self._weights(landing.band[on])
+            self.colour += [np.bincount(texel, w, self.texels) for w in (of_x, of_z)]
         for index, total in enumerate(self.routes):
             chosen = route == index
             if chosen.any():
-                total += np.bincount(texel[chosen], weight[chosen], total.size)
-        self.square += np.bincount(texel, weight * weight, self.square.size)
+                total += np.bincount(texel[chosen], weight[chosen], self.texels)
+        self.square += np.bincount(texel, weight * weight, self.texels)
         self.landed += len(texel)
 
-    def _texel(self, landing: Landing, on: NDArray[np.bool_]) -> NDArray[np.int64]:
-        column = np.minimum((landing.u[on] * self.columns).astype(np.int64), self.columns - 1)
-        row = np.minimum((landing.v[on] * self.rows).astype(np.int64), self.rows - 1)
-        return row * self.columns + column
+    def _weights(self, band: NDArray[np.float32]) -> NDArray[np.float64]:
+        """X, Y and Z (3, N) of photons at these places among the wavelengths."""
+        assert self.bands is not None
+        rows = np.arange(len(self.bands))
+        place = band * len(self.bands) - 0.5
+        return np.stack([np.interp(place, rows, column) for column in self.bands.T[1:]])
 
     def account(self, emitted: float, computed: float) -> dict[str, float]:
         """Where the luminaires' ``emitted`` flux in lm went.
 
         With everything traced every photon is followed and the parts are counted one by one. Else
-        ``computed`` lm of direct light land, and what was neither traced nor lands so escapes.
+        ``computed`` lm of direct light stay where they land, and what was neither traced nor stays
+        so escapes.
         """
         flux = {name: self.per_photon(value) for name, value in self.flux.items()}
         if not self.everything:
             beside = computed - self.per_photon(self.unaimed)
             flux["landed"] += beside
             flux["escaped"] += emitted - self.per_photon(self.traced) - beside
-        return {"emitted": emitted, **flux}
+        return {"emitted": emitted, **{name: float(value) for name, value in flux.items()}}
+
+    def save(self, path: Path, key: str) -> None:
+        """Write the sums, with a ``key`` for what they are sums of."""
+        about = {name: getattr(self, name) for name in _SCALARS} | {"flux": self.flux, "key": key}
+        with path.open("wb") as file:
+            np.savez_compressed(
+                file,
+                about=np.array(json.dumps(about)),
+                routes=self.routes,
+                square=self.square,
+                colour=self.colour,
+            )
+
+    def load(self, path: Path, key: str) -> bool:
+        """Take over saved sums; False, and nothing taken, where they are sums of something else.
+
+        Raises FileError for a file that is missing or damaged.
+        """
+        try:
+            with np.load(path) as saved:
+                about = json.loads(str(saved["about"]))
+                arrays = {name: saved[name] for name in ("routes", "square", "colour")}
+        except (OSError, ValueError, KeyError, EOFError, BadZipFile):
+            raise FileError(f"“{path}” holds no sums of photons; trace anew.") from None
+        if about["key"] != key or any(getattr(self, n).shape != a.shape for n, a in arrays.items()):
+            return False
+        for name in _SCALARS:
+            setattr(self, name, about[name])
+        self.flux = about["flux"]
+        for name, array in arrays.items():
+            setattr(self, name, array)
+        return True
+
+
+_SCALARS = ("traced", "unaimed", "emitted", "landed", "batches")

@@ -1,7 +1,11 @@
 """Photon tracing as an analysis: its parameters, when it stops, and what it hands back."""
 
+import hashlib
+import os
+import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -12,11 +16,14 @@ from ..core import runtime, solid
 from ..core.errors import SceneError
 from ..core.parameters import param, to_table
 from ..core.progress import SILENT, Progress, part
-from ..core.scene import Body, Receiver, Scene
-from . import interval, kernel
-from .irradiance import IrradianceMap
+from ..core.scene import Body, Scene
+from . import finish, interval, spectrum
+from .grid import Grid, grid_of
+from .irradiance import Irradiance
 from .luminaires import source
+from .media import require_outside
 from .tally import Tally
+from .targets import Side
 
 BATCH = 1 << 20
 SMALLEST = 1 << 16
@@ -51,79 +58,133 @@ class PhotonTracing:
     kernel: Literal["adaptive", "none"] = param(
         "adaptive", help="Smooth map beside the texel means: gathered photons, or no smoothing"
     )
+    colour: Literal["none", "equal-energy", "incandescent", "daylight", "led"] = param(
+        "none", help="Trace colours, with glass that disperses, in this spectrum of all lamps"
+    )
+    keep_sums: bool = param(
+        False, help="Keep the sums of the photons beside the result, to add more photons later"
+    )
     repair: bool = param(False, help="Mend open or inside-out glass before tracing")
 
 
 def trace(
-    scene: Scene, tracing: PhotonTracing, *, seed: int = 0, progress: Progress = SILENT
-) -> IrradianceMap:
-    """Illuminance on the scene's receiver by photon tracing.
+    scene: Scene,
+    tracing: PhotonTracing,
+    *,
+    seed: int = 0,
+    progress: Progress = SILENT,
+    sums: Path | None = None,
+) -> Irradiance:
+    """Illuminance on the scene's receivers by photon tracing.
 
-    Photons leave the luminaires toward the bodies, refract and reflect until they land on the
+    Photons leave the luminaires toward the bodies, refract and reflect until they land on a
     receiver, escape or are absorbed. Texel means are unfiltered and unbiased [Jensen, Realistic
     Image Synthesis Using Photon Mapping, 2001, ch. 2]; the interval is `interval.interval`.
 
-    The receiver is opaque and black: light that lands does not go on.
+    Light that a receiver returns goes on. ``sums`` is a file of sums that an earlier result of the
+    same scene kept (`Irradiance.sums`): its photons count, and new ones are added to them, the same
+    ones that a longer run would have traced.
 
-    Raises SceneError when a lamp or a receiver is missing or a glass is open, FileError for a
-    photometric file that cannot be read, RuntimeMissing where Mitsuba cannot run, Cancelled when
-    ``progress`` is asked to stop.
+    Raises SceneError when a lamp or a receiver is missing, a glass is open, or the sums are of
+    another scene, FileError for a photometric file or sums that cannot be read, RuntimeMissing
+    where Mitsuba cannot run, Cancelled when ``progress`` is asked to stop.
     """
     started = time.perf_counter()
-    receiver = _receiver(scene)
+    if not scene.receivers:
+        raise SceneError("There is no receiver to trace onto; add one in Heliform › Light.")
     if not scene.luminaires:
         raise SceneError("There is no lamp to trace from; add one in Heliform › Light.")
     notes: list[str] = []
     progress(0.0, "Reading lamps")
     sources = [source(luminaire) for luminaire in scene.luminaires]
+    notes += [note for lamp in sources for note in lamp.notes]
+    grid = grid_of(scene)
+    key = _key(scene, tracing, seed) if tracing.keep_sums or sums else ""
+    bands = None
+    if tracing.colour != "none":
+        bands = spectrum.Bands(spectrum.spectrum(tracing.colour))
+    everything = tracing.direct == "traced"
+    tally = Tally(grid.area.size, everything, bands.table() if bands else None)
+    if sums and not tally.load(sums, key):
+        raise SceneError("The scene has changed since it was traced; trace it anew.")
     if tracing.repair:
         scene = _repaired(scene, notes)
+    require_outside(scene.luminaires, scene.bodies)
     progress(0.02, "Starting Mitsuba")
     runtime.mitsuba()
-    from . import direct, emission, photons, stage
+    from . import direct, emission, stage
 
     progress(0.05, "Building the scene")
-    staged = stage.build(scene)
-    everything = tracing.direct == "traced"
-    light = np.zeros((2, receiver.rows, receiver.columns))
+    staged = stage.build(scene, None if tally.bands is None else tally.bands[:, 0])
+    light = np.zeros(grid.area.size), np.zeros(grid.area.size)
     if not everything:
         for index, lamp in enumerate(sources):
             progress(0.1, f"Direct light of “{lamp.name}”")
-            value, spread = direct.direct_light(staged, receiver, lamp, (seed, index))
-            light = light[0] + value, np.hypot(light[1], spread)
+            for number, (side, chart) in enumerate(zip(grid.sides, grid.charts, strict=True)):
+                stream = seed, index, number
+                value, spread = direct.direct_light(staged, side, chart, lamp, stream)
+                light[0][side.texels] += value.ravel()
+                light[1][side.texels] = np.hypot(light[1][side.texels], spread.ravel())
     progress(0.2, "Aiming at the glass")
     emissions = [emission.emission(s, staged, everywhere=everything) for s in sources]
     emitters = [emission.Emitter(e, staged) for e in emissions if e.aimed > 0]
-    tally = Tally(receiver.rows, receiver.columns, everything)
-    error = 0.0
+    error: float | None = 0.0
     if emitters:
-        tracer = staged, photons.Plane(receiver, staged)
         share = part(progress, 0.2, 1.0)
-        error = _batches(tally, tracer, emitters, tracing, seed, share, notes)
+        error = _batches(tally, grid, staged, emitters, tracing, seed, share, notes)
     elif not scene.bodies:
         notes.append("There is no glass or other body in the scene: direct light only.")
     else:
         notes.append("No light of the lamps can meet a body: direct light only.")
+    taken = grid.area * (1.0 - np.concatenate([_reflectance(side) for side in grid.sides]))
     meta = {
         "parameters": to_table(tracing),
         "seed": seed,
         "version": VERSION,
         "backend": runtime.choose().backend,
         "error": error,
+        "photons": {"emitted": tally.emitted, "landed": tally.landed},
+        "flux": tally.account(sum(s.flux for s in sources), float((light[0] * taken).sum())),
         "seconds": time.perf_counter() - started,
         "notes": notes,
     }
-    return _result(tally, (light[0], light[1]), receiver, meta, sum(s.flux for s in sources))
+    white = bands.white if bands else None
+    maps = finish.maps_of(tally, grid, light, white, tracing.kernel == "adaptive", meta)
+    return Irradiance(maps, meta, _kept(tally, key) if tracing.keep_sums or sums else None)
 
 
-def _receiver(scene: Scene) -> Receiver:
-    match scene.receivers:
-        case ():
-            raise SceneError("There is no receiver to trace onto; add one in Heliform › Light.")
-        case (receiver,):
-            return receiver
-    names = ", ".join(f"“{r.name}”" for r in scene.receivers)
-    raise SceneError(f"There is more than one receiver ({names}); switch off all but one.")
+def _reflectance(side: Side) -> NDArray[np.float64]:
+    return np.full(side.receiver.rows * side.receiver.columns, side.receiver.reflectance)
+
+
+def _key(scene: Scene, tracing: PhotonTracing, seed: int) -> str:
+    """What sums of photons are sums of: the scene, the physics and the random numbers."""
+    digest = hashlib.sha256()
+    physics = {n: getattr(tracing, n) for n in ("fresnel", "direct", "colour", "repair")}
+    digest.update(repr((seed, physics, VERSION)).encode())
+    for thing in (*scene.bodies, *scene.luminaires, *scene.receivers):
+        _fed(digest, thing)
+    return digest.hexdigest()
+
+
+def _fed(digest: Any, thing: Any) -> None:
+    """Add all that a record of the scene holds to a digest."""
+    for item in fields(thing):
+        value = getattr(thing, item.name)
+        if is_dataclass(value):
+            _fed(digest, value)
+        elif isinstance(value, np.ndarray):
+            digest.update(np.ascontiguousarray(value).tobytes())
+        else:
+            digest.update(repr(value).encode())
+
+
+def _kept(tally: Tally, key: str) -> Path:
+    """The sums in a file that `Irradiance.save` moves to its place."""
+    handle, path = tempfile.mkstemp(prefix="heliform-", suffix=".npz")
+    os.close(handle)
+    tally.save(Path(path), key)
+    return Path(path)
 
 
 def _repaired(scene: Scene, notes: list[str]) -> Scene:
@@ -139,7 +200,8 @@ def _repaired(scene: Scene, notes: list[str]) -> Scene:
 
 def _batches(
     tally: Tally,
-    scene: Any,
+    grid: Grid,
+    staged: Any,
     emitters: list[Any],
     tracing: PhotonTracing,
     seed: int,
@@ -149,39 +211,49 @@ def _batches(
     """Trace batch after batch until there is enough; the error reached, None without a landing."""
     from . import photons
 
-    staged, plane = scene
     share = np.array([e.emission.aimed for e in emitters])
     share /= share.sum()
     polarised = tracing.fresnel == "polarised"
     began = time.perf_counter()
-    count, batch = PILOT, 0
     progress(0.0, "Compiling")
-    while True:
-        sent = np.random.default_rng((0, seed, batch)).multinomial(count, share)
+    error = _error(tally, grid)
+    first = tally.emitted == 0
+    count = PILOT if first else _next(tally, _times_more(tally, tracing, error, 0.0))
+    while count:
+        sent = np.random.default_rng((0, seed, tally.batches)).multinomial(count, share)
         for index in np.flatnonzero(sent):
-            key = (seed, batch, int(index))
-            landing = photons.trace_batch(
-                staged, plane, emitters[index], int(sent[index]), polarised, key
-            )
+            key = (seed, tally.batches, int(index))
+            landing = photons.trace_batch(staged, emitters[index], int(sent[index]), polarised, key)
             tally.add(landing, share[index])
-        batch += 1
-        error = interval.error(tally.total, tally.square)
+        tally.batches += 1
+        error = _error(tally, grid)
         elapsed = time.perf_counter() - began
         more = _times_more(tally, tracing, error, elapsed)
-        if more <= 1.0 or (tally.landed == 0 and batch >= HOPELESS):
+        if more <= 1.0 or (tally.landed == 0 and tally.batches >= HOPELESS):
             break
         if elapsed > tracing.at_most:
             notes.append(f"Stopped after {elapsed:.0f} s, before what was asked was reached.")
             break
         progress(1.0 / more, _said(tally, error))
-        count = int(np.clip(1.02 * tally.emitted * (more - 1.0), SMALLEST, BATCH))
+        count = _next(tally, more)
     if tally.landed == 0:
         notes.append(
-            f"None of {tally.emitted:,} photons landed on the receiver: no caustic light is known, "
+            f"None of {tally.emitted:,} photons landed on a receiver: no caustic light is known, "
             "only its upper bound."
         )
         return None
     return error
+
+
+def _error(tally: Tally, grid: Grid) -> float:
+    return interval.error(grid.gathered(tally.total), grid.gathered(tally.square), grid.area)
+
+
+def _next(tally: Tally, more: float) -> int:
+    """How many photons to send next, when ``more`` times those so far are needed in all."""
+    if more <= 1.0:
+        return 0
+    return int(np.clip(1.02 * tally.emitted * (more - 1.0), SMALLEST, BATCH))
 
 
 def _times_more(tally: Tally, tracing: PhotonTracing, error: float, elapsed: float) -> float:
@@ -192,56 +264,9 @@ def _times_more(tally: Tally, tracing: PhotonTracing, error: float, elapsed: flo
         case "landed":
             return tracing.landed / max(tally.landed, 1)
         case "time":
-            return tracing.seconds / elapsed
+            return tracing.seconds / max(elapsed, 1e-9)
 
 
 def _said(tally: Tally, error: float) -> str:
     counts = f"{tally.emitted / 1e6:.1f} M photons, {tally.landed / 1e6:.1f} M landed"
     return f"{counts}, error {100 * error:.0f} %" if np.isfinite(error) else counts
-
-
-def _result(
-    tally: Tally,
-    light: tuple[NDArray[np.float64], NDArray[np.float64]],
-    receiver: Receiver,
-    meta: dict[str, Any],
-    emitted: float,
-) -> IrradianceMap:
-    """Sums to illuminance, the interval, and the account of the flux."""
-    computed, spread = light
-    area = receiver.texel_area
-    lux = tally.per_photon(1.0) / area
-    direct, caustic, indirect = (r.reshape(computed.shape) * lux for r in tally.routes)
-    direct = direct + computed
-    illuminance = direct + caustic + indirect
-    total = tally.total.reshape(computed.shape) * lux
-    low, high = (
-        b.reshape(computed.shape) * lux
-        for b in interval.interval(tally.total, tally.square, tally.typical)
-    )
-    lower = illuminance - np.hypot(total - low, spread)
-    upper = illuminance + np.hypot(high - total, spread)
-    traced_spread = interval.Z * np.sqrt(tally.square.sum()) * lux / illuminance.size
-    shadow_spread = np.sqrt(np.square(spread).sum()) / illuminance.size
-    half_width = (upper - lower) / 2
-    smooth = illuminance, half_width, np.zeros_like(total)
-    if meta["parameters"]["kernel"] == "adaptive":
-        found = kernel.smoothed(*(s.reshape(computed.shape) for s in (tally.total, tally.square)))
-        noise = np.hypot(found.half_width * lux, spread)
-        smooth = illuminance - total + found.value * lux, noise, found.bias * lux
-        meta["gathered"] = found.gathered
-    maps = (illuminance, direct, caustic, indirect, half_width, lower, upper, *smooth)
-    return IrradianceMap(
-        *(m.astype(np.float32) for m in maps),
-        meta={
-            "quantity": "Illuminance",
-            "unit": "lx",
-            "receiver": receiver.name,
-            "size": [float(np.linalg.norm(receiver.u)), float(np.linalg.norm(receiver.v))],
-            "mean_half_width": float(np.hypot(traced_spread, shadow_spread)),
-            "traced_half_width": float(traced_spread),
-            "photons": {"emitted": tally.emitted, "landed": tally.landed},
-            "flux": tally.account(emitted, float(computed.sum()) * area),
-            **meta,
-        },
-    )

@@ -1,4 +1,4 @@
-"""Small scenes whose light is known in closed form."""
+"""Small scenes whose light is known in closed form, and the map of their one receiver."""
 
 import numpy as np
 import trimesh
@@ -13,6 +13,7 @@ from heliform.engines.core.scene import (
     Scene,
     plane_receiver,
 )
+from heliform.engines.light import IrradianceMap, PhotonTracing, trace
 
 GLASS = Material(kind="dielectric", ior=1.5)
 
@@ -75,3 +76,8 @@ def glass(mesh: Mesh) -> Body:
 
 def scene(*bodies: Body, lamp: Luminaire, receiver: Receiver) -> Scene:
     return Scene(bodies, (lamp,), (receiver,))
+
+
+def traced(scene: Scene, tracing: PhotonTracing, **options) -> IrradianceMap:
+    """The map of the scene's first receiver."""
+    return trace(scene, tracing, **options).maps[0]

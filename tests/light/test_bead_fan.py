@@ -2,7 +2,7 @@
 
 import numpy as np
 from heliform.engines.core.scene import Mesh
-from heliform.engines.light import PhotonTracing, trace
+from heliform.engines.light import PhotonTracing
 from light import scenes
 
 HEIGHT, SAG, IOR, DEPTH = 0.005, 0.0012, 1.5, 0.004
@@ -73,7 +73,7 @@ def profile(rows, facets=False):
     columns = 100
     receiver = scenes.floor(0.1, columns, scenes.at(z=-DROP))
     sheet = scenes.sheet(1e4, WIDE, 0.01, scenes.at(z=0.02))
-    result = trace(
+    result = scenes.traced(
         scenes.scene(scenes.glass(mesh), lamp=sheet, receiver=receiver),
         PhotonTracing(until="landed", landed=1_500_000),
         seed=10,

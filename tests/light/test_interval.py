@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from heliform.engines.light import PhotonTracing, interval, trace
+from heliform.engines.light import PhotonTracing, interval
 from light import scenes
 from scipy.stats import chi2
 
@@ -101,7 +101,7 @@ def ball():
 def test_the_same_seed_gives_the_same_map(ball):
     """To 1e-4 of the brightest texel; another seed gives another."""
     settings = PhotonTracing(until="landed", landed=200_000)
-    first, again, other = (trace(ball, settings, seed=seed) for seed in (4, 4, 5))
+    first, again, other = (scenes.traced(ball, settings, seed=seed) for seed in (4, 4, 5))
     assert first.meta["photons"] == again.meta["photons"]
     for name in ("illuminance", "caustic", "lower", "upper"):
         found, repeated = getattr(first, name), getattr(again, name)
@@ -115,7 +115,7 @@ def test_the_photons_of_two_seeds_are_independent(ball):
     Some 700 texels of 25 hits or more let the ratio vary by 5 %.
     """
     settings = PhotonTracing(until="landed", landed=400_000)
-    first, other = (trace(ball, settings, seed=seed) for seed in (6, 7))
+    first, other = (scenes.traced(ball, settings, seed=seed) for seed in (6, 7))
     photon = first.caustic.sum() / first.meta["photons"]["landed"]
     mean = (first.caustic + other.caustic) / 2
     many = mean > 25 * photon

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from heliform.engines.light import PhotonTracing, trace
+from heliform.engines.light import PhotonTracing
 from heliform.engines.light.kernel import smoothed
 from light import scenes
 
@@ -56,8 +56,10 @@ def test_it_is_nearer_to_the_truth_than_the_raw_map_of_the_same_photons():
         lamp=scenes.beam(1000.0, 0.038, scenes.at(z=0.05)),
         receiver=scenes.floor(0.04, 64, scenes.at(z=-0.03)),
     )
-    truth = trace(scene, PhotonTracing(until="landed", landed=8_000_000), seed=1).illuminance
-    few = trace(scene, PhotonTracing(until="landed", landed=60_000), seed=2)
+    truth = scenes.traced(
+        scene, PhotonTracing(until="landed", landed=8_000_000), seed=1
+    ).illuminance
+    few = scenes.traced(scene, PhotonTracing(until="landed", landed=60_000), seed=2)
 
     def distance(found):
         counted = truth > 0.05 * truth.mean()

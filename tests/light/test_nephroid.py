@@ -2,7 +2,7 @@
 
 import numpy as np
 from heliform.engines.core.scene import Body, Material, Mesh
-from heliform.engines.light import PhotonTracing, trace
+from heliform.engines.light import PhotonTracing
 from light import scenes
 
 RADIUS = 0.05
@@ -34,7 +34,7 @@ def test_light_in_a_mirror_cylinder_gathers_on_the_nephroid():
     axis = np.array([travel, 0.0, -0.06])
     wide = scenes.at(*(np.array([0.0, 0.0, 0.06]) - 3 * axis), axis=axis)
     receiver = scenes.floor(0.1, 200, scenes.at(z=1e-4, axis=(0, 0, -1)))
-    result = trace(
+    result = scenes.traced(
         scenes.scene(
             Body("Cup", cup(), Material(kind="mirror", reflectance=1.0)),
             lamp=scenes.beam(1000.0, 0.3, wide),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from heliform.engines.core.scene import Body, Lamp, Luminaire, Material, Mesh
-from heliform.engines.light import PhotonTracing, trace
+from heliform.engines.light import PhotonTracing
 from light import scenes
 
 TRACED = PhotonTracing(until="landed", landed=4_000_000, direct="traced")
@@ -12,7 +12,7 @@ TRACED = PhotonTracing(until="landed", landed=4_000_000, direct="traced")
 def test_lambertian_point_over_a_plane_gives_the_published_illuminances():
     """CIE 171 5.2: 1000 cd at 3 m; A 111.11, D 71.11, J 49.39 lx."""
     receiver = scenes.floor(4.0, 80)
-    result = trace(
+    result = scenes.traced(
         scenes.scene(lamp=scenes.lambertian_point(1000.0, 3.0), receiver=receiver), TRACED, seed=1
     )
     place = scenes.texel_centres(receiver)
@@ -30,7 +30,7 @@ def test_lambertian_point_over_a_plane_gives_the_published_illuminances():
 
 def test_computed_direct_light_is_the_closed_form():
     receiver = scenes.floor(4.0, 80)
-    result = trace(
+    result = scenes.traced(
         scenes.scene(lamp=scenes.lambertian_point(1000.0, 3.0), receiver=receiver), PhotonTracing()
     )
     place = scenes.texel_centres(receiver)
@@ -45,7 +45,7 @@ def test_near_field_of_an_opening_traced_and_computed_agree(source, opening):
     luminaire = Luminaire("Near", lamp, scenes.at(0.03, -0.02, 0.15, axis=(0.3, 0.1, -1.0)))
     receiver = scenes.floor(0.6, 48)
     scene = scenes.scene(lamp=luminaire, receiver=receiver)
-    traced, computed = trace(scene, TRACED, seed=2), trace(scene, PhotonTracing())
+    traced, computed = scenes.traced(scene, TRACED, seed=2), scenes.traced(scene, PhotonTracing())
     off = (traced.illuminance - computed.illuminance) / (traced.half_width / 1.96)
     counted = computed.illuminance > 0.01 * computed.mean
     assert np.mean(np.abs(off[counted]) < 1.96) == pytest.approx(0.95, abs=0.02)
@@ -58,7 +58,10 @@ def test_shadow_of_a_black_disk_traced_and_computed_agree():
         "Blocker", scenes.box(0.2, 0.2, 0.002, (0.02, 0.0, 0.2)), Material(kind="absorber")
     )
     scene = scenes.scene(blocker, lamp=lamp, receiver=scenes.floor(1.0, 64))
-    traced, computed = trace(scene, TRACED, seed=3), trace(scene, PhotonTracing(), seed=3)
+    traced, computed = (
+        scenes.traced(scene, TRACED, seed=3),
+        scenes.traced(scene, PhotonTracing(), seed=3),
+    )
     spread = np.hypot(traced.half_width, computed.half_width) / 1.96
     counted = computed.direct > 0.05 * computed.mean
     off = (traced.direct - computed.direct)[counted] / spread[counted]
@@ -74,7 +77,9 @@ def test_flux_in_a_black_room_is_all_found_again():
     room = Body("Room", inward, Material(kind="absorber"))
     lamp = Luminaire("Lamp", Lamp(source="point", flux=10_000.0), scenes.at(z=2.0))
     receiver = scenes.floor(3.9, 32, scenes.at(z=0.01, axis=(0, 0, -1)))
-    flux = trace(scenes.scene(room, lamp=lamp, receiver=receiver), TRACED, seed=4).meta["flux"]
+    flux = scenes.traced(scenes.scene(room, lamp=lamp, receiver=receiver), TRACED, seed=4).meta[
+        "flux"
+    ]
     parts = [flux[k] for k in ("landed", "absorbed", "escaped", "cut_off")]
     assert sum(parts) == pytest.approx(10_000.0, rel=1e-4)
     assert flux["escaped"] == 0.0

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from heliform.engines.light import PhotonTracing, trace
+from heliform.engines.light import PhotonTracing
 from light import scenes
 
 IOR = 1.5
@@ -36,7 +36,7 @@ def test_transmittance_of_a_slab(angle, fresnel):
     receiver = scenes.floor(3.0, 64, scenes.at(z=-0.1), length=1.0)
     scene = scenes.scene(scenes.glass(scenes.box(4.0, 2.0, 0.01)), lamp=lamp, receiver=receiver)
     tracing = PhotonTracing(until="landed", landed=1_000_000, fresnel=fresnel)
-    result = trace(scene, tracing, seed=5)
+    result = scenes.traced(scene, tracing, seed=5)
     flux, count = result.meta["flux"], result.meta["photons"]["emitted"]
     sigma = np.sqrt(truth * (1 - truth) / count)
     assert flux["landed"] / flux["emitted"] == pytest.approx(truth, abs=4 * sigma + 1e-4)
@@ -60,7 +60,7 @@ def test_polarised_light_keeps_its_account_through_total_reflections():
     )
     for fresnel in ("averaged", "polarised"):
         tracing = PhotonTracing(until="landed", landed=300_000, fresnel=fresnel, direct="traced")
-        flux = trace(scene, tracing, seed=6).meta["flux"]
+        flux = scenes.traced(scene, tracing, seed=6).meta["flux"]
         parts = [flux[k] for k in ("landed", "absorbed", "escaped", "cut_off")]
         assert sum(parts) == pytest.approx(flux["emitted"], rel=1e-5)
         assert all(np.isfinite(parts))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from heliform.engines.light import PhotonTracing, trace
+from heliform.engines.light import PhotonTracing
 from light import scenes
 
 RADIUS, IOR, LUX = 0.02, 1.5, 1000.0
@@ -48,7 +48,7 @@ def test_flux_map_of_a_beam_through_a_ball(drop):
     receiver = scenes.floor(0.04, 41, scenes.at(z=-drop))
     ball = scenes.glass(scenes.sphere(RADIUS, 7))
     lamp = scenes.beam(LUX, width, scenes.at(z=0.05))
-    result = trace(
+    result = scenes.traced(
         scenes.scene(ball, lamp=lamp, receiver=receiver),
         PhotonTracing(until="landed", landed=2_000_000),
         seed=7,
@@ -68,7 +68,7 @@ def test_a_narrow_beam_meets_in_the_focus_of_the_ball():
 
     def spread(drop):
         receiver = scenes.floor(0.002, 101, scenes.at(z=-drop))
-        result = trace(
+        result = scenes.traced(
             scenes.scene(ball, lamp=lamp, receiver=receiver),
             PhotonTracing(until="landed", landed=200_000),
             seed=8,

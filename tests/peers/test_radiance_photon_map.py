@@ -9,11 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from heliform.engines.light import PhotonTracing, trace
+from heliform.engines.light import PhotonTracing
 from heliform.engines.light.ies import sample_path
 
 pytest.importorskip("pyradiance")
 
+from light.scenes import traced
 from peers import radiance, tube
 
 pytestmark = [pytest.mark.peer, pytest.mark.slow]
@@ -60,7 +61,7 @@ def ours(mesh, ior=tube.IOR):
     """Caustic flux a block in lm, and that of one photon."""
     scene = tube.scene(mesh, BLOCKS, ior)
     settings = PhotonTracing(until="landed", landed=LANDED, fresnel="averaged")
-    result = trace(scene, settings, seed=11)
+    result = traced(scene, settings, seed=11)
     flux = result.caustic.astype(np.float64) * scene.receivers[0].texel_area
     return flux, flux.sum() / result.meta["photons"]["landed"]
 

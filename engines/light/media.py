@@ -1,0 +1,123 @@
+"""What fills the space between surfaces: air, glasses, liquids, one inside or beside another.
+
+A photon carries the set of transparent bodies that it is in; where several overlap, the one of the
+highest priority is there, and at equal priority the smaller one [Schmidt & Budge 2002]. A surface
+between two places of the same body is no surface.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.errors import SceneError
+from ..core.scene import Body, Luminaire, Mesh
+from ..core.solid import encloses
+from . import spectrum
+
+MOST = 31
+"""Transparent bodies in a scene: one bit each."""
+BESIDE = 1e-6
+"""m between the faces of two bodies that count as touching."""
+
+
+@dataclass(frozen=True, slots=True)
+class Media:
+    """The media of a scene by rank, 0 the air: the higher rank is there where bodies overlap.
+
+    ``rank`` (B,) int of each body, 0 for opaque ones. ``ior`` (M, K) float64 by medium and
+    wavelength, ``absorption`` (M,) in 1/mm.
+    """
+
+    rank: NDArray[np.int64]
+    ior: NDArray[np.float64]
+    absorption: NDArray[np.float64]
+
+
+def media_of(bodies: tuple[Body, ...], wavelengths: NDArray[np.float64] | None) -> Media:
+    """Rank the transparent bodies and look up their indices of refraction.
+
+    ``wavelengths`` (K,) in nm, or None for the one index that each material names. Raises
+    SceneError for more than MOST bodies, for one that is hidden wholly inside another of higher
+    priority, and for two that touch face to face.
+    """
+    clear = [i for i, b in enumerate(bodies) if b.material.kind == "dielectric"]
+    if len(clear) > MOST:
+        raise SceneError(f"There are {len(clear)} transparent bodies; join some, {MOST} can be.")
+    boxes = {i: _box(bodies[i].mesh) for i in clear}
+    size = {i: float(np.prod(boxes[i][1] - boxes[i][0])) for i in clear}
+    clear.sort(key=lambda i: (bodies[i].material.priority, -size[i], i))
+    rank = np.zeros(len(bodies), int)
+    rank[clear] = np.arange(1, len(clear) + 1)
+    for low, i in enumerate(clear):
+        for j in clear[low + 1 :]:
+            if (boxes[i][0] <= boxes[j][1] + BESIDE).all() and (
+                boxes[j][0] <= boxes[i][1] + BESIDE
+            ).all():
+                _require_apart(bodies[i], bodies[j], boxes[i], boxes[j])
+    materials = [bodies[i].material for i in clear]
+    if wavelengths is None:
+        ior = np.array([[1.0], *([m.ior] for m in materials)])
+    else:
+        ior = np.array(
+            [np.ones(len(wavelengths)), *(spectrum.ior_at(m, wavelengths) for m in materials)]
+        )
+    absorption = np.array([0.0, *(m.absorption / 1000.0 for m in materials)])
+    return Media(rank, ior, absorption)
+
+
+def require_outside(luminaires: tuple[Luminaire, ...], bodies: tuple[Body, ...]) -> None:
+    """Raise SceneError where a lamp hangs inside a transparent body."""
+    for body in bodies:
+        if body.material.kind != "dielectric":
+            continue
+        low, high = _box(body.mesh)
+        for lamp in luminaires:
+            place = lamp.pose[:3, 3]
+            if ((low < place) & (place < high)).all() and encloses(body.mesh, place):
+                raise SceneError(
+                    f"Lamp “{lamp.name}” lies inside the glass of “{body.name}”; move it out."
+                )
+
+
+def _box(mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    return mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+
+
+def _require_apart(under: Body, over: Body, below: Any, above: Any) -> None:
+    """Two bodies with common space: neither hidden in the other, nor face to face."""
+    within = (above[0] <= below[0]).all() and (below[1] <= above[1]).all()
+    if within and encloses(over.mesh, under.mesh.vertices[under.mesh.faces[0, 0]]):
+        crossing = _sample(under.mesh)
+        if all(encloses(over.mesh, place) for place in crossing):
+            raise SceneError(
+                f"“{under.name}” lies wholly inside “{over.name}”, which has the higher priority "
+                "and hides it; give the inner one the higher priority."
+            )
+    if _touching(under.mesh, over.mesh):
+        raise SceneError(
+            f"“{under.name}” touches “{over.name}” face to face; let one reach 0.1 mm into the "
+            "other, and give the harder one the higher priority."
+        )
+
+
+def _sample(mesh: Mesh, count: int = 16) -> NDArray[np.float64]:
+    used = np.unique(mesh.faces)
+    return mesh.vertices[used[np.linspace(0, len(used) - 1, min(count, len(used))).astype(int)]]
+
+
+def _touching(one: Mesh, other: Mesh) -> bool:
+    """Whether faces of both lie on each other, found where their centres coincide."""
+    places = [m.vertices[m.faces].mean(axis=1) for m in (one, other)]
+    low = np.maximum(places[0].min(axis=0), places[1].min(axis=0)) - BESIDE
+    high = np.minimum(places[0].max(axis=0), places[1].max(axis=0)) + BESIDE
+    keys = [
+        np.round(p[((p >= low) & (p <= high)).all(axis=1)] / BESIDE).astype(np.int64)
+        for p in places
+    ]
+    if not all(map(len, keys)):
+        return False
+    # Numbers of one row each, so that rows can be compared at once.
+    rows = [np.ascontiguousarray(k).view([("", k.dtype)] * 3).ravel() for k in keys]
+    return bool(np.isin(rows[0], rows[1]).any())
