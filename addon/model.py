@@ -9,6 +9,7 @@ from ..engines.core.colour import Display
 from ..engines.core.scene import Lamp, Material, Plane
 from ..engines.glass import GlassObject
 from ..engines.light import PhotonTracing
+from .bridge.lights import BlenderLight
 from .objects import rebuild
 from .properties import group_for, groups
 
@@ -19,6 +20,11 @@ ROLES = (
     ("RECEIVER", "Receiver", "Light is gathered on it", 3),
 )
 
+SOURCES = (
+    ("OWN", "Heliform", "The settings below", 0),
+    ("BLENDER", "Blender", "The Blender material of the first slot, as it is when traced", 1),
+)
+
 
 def _rebuild(group: Any, context: bpy.types.Context) -> None:
     rebuild(group.id_data, context.scene)
@@ -27,6 +33,7 @@ def _rebuild(group: Any, context: bpy.types.Context) -> None:
 # Made here: from Python 3.14 on, annotations are evaluated only when the class is registered.
 _SHAPE, _LAMP, _PLANE = (group_for(record, _rebuild) for record in (GlassObject, Lamp, Plane))
 _MATERIAL, _TRACING, _DISPLAY = map(group_for, (Material, PhotonTracing, Display))
+_LIGHT = group_for(BlenderLight)
 
 
 class HELIFORM_PG_object(bpy.types.PropertyGroup):
@@ -39,7 +46,11 @@ class HELIFORM_PG_object(bpy.types.PropertyGroup):
     )
     problem: StringProperty(name="Problem", options={"HIDDEN"})
     glass_object: PointerProperty(type=_SHAPE)
+    material_from: EnumProperty(
+        name="Material From", description="What says how a body treats light", items=SOURCES
+    )
     material: PointerProperty(type=_MATERIAL)
+    blender_light: PointerProperty(type=_LIGHT)
     lamp: PointerProperty(type=_LAMP)
     plane: PointerProperty(type=_PLANE)
 

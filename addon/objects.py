@@ -9,6 +9,7 @@ from ..engines.core.scene import Lamp, Luminaire, Mesh, Plane
 from ..engines.glass import GlassObject, glass_object
 from ..engines.light.luminaires import source
 from ..engines.light.shape import lamp_outline, plane_mesh
+from .bridge.materials import is_understood
 from .bridge.meshes import lines_to_blender, to_blender
 from .bridge.read import lamp_record
 from .properties import read, scale_of, write
@@ -91,12 +92,20 @@ def set_glass(obj: bpy.types.Object, record: GlassObject, scene: bpy.types.Scene
     rebuild(obj, scene)
 
 
-def mark(obj: bpy.types.Object, role: str, kind: str) -> None:
-    """Say what a mesh object is to light: a body of a ``kind`` of material, a receiver, nothing."""
-    obj.heliform.role = role
-    obj.heliform.problem = ""
-    if role == "BODY":
-        obj.heliform.material.kind = kind
+def mark(obj: bpy.types.Object, role: str, kind: str = "") -> None:
+    """Say what an object is to light: a body, a lamp where it is a light, a receiver, nothing.
+
+    A new body is of the ``kind`` of material given; else what its Blender material says, where
+    that is understood and nobody has chosen otherwise.
+    """
+    own = obj.heliform
+    fresh = role == "BODY" != own.role and not own.form
+    own.role = role
+    own.problem = ""
+    if role == "BODY" and kind:
+        own.material_from, own.material.kind = "OWN", kind
+    elif fresh and not own.is_property_set("material_from") and is_understood(obj):
+        own.material_from = "BLENDER"
 
 
 def lamp_hides(group: Any) -> set[str]:

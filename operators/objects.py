@@ -88,6 +88,7 @@ class HELIFORM_OT_mark_as(Reporting, Operator):
         description=_KINDS.help,
         items=enum_items(_KINDS.choices, _KINDS.help),
         default=_KINDS.default,
+        options={"SKIP_SAVE"},
     )
 
     @classmethod
@@ -96,14 +97,18 @@ class HELIFORM_OT_mark_as(Reporting, Operator):
         return bool(_meshes(context))
 
     def act(self, context: Context) -> None:
-        """Mark each. Raises SceneError where one cannot be a receiver; none is marked then."""
+        """Mark each; a body keeps its material unless a kind is set.
+
+        Raises SceneError where one cannot be a receiver; none is marked then.
+        """
         chosen = _meshes(context)
         if self.role == "RECEIVER":
             depsgraph = context.evaluated_depsgraph_get()
             for obj in chosen:
                 read_receiver(obj, depsgraph)
+        kind = self.kind if self.properties.is_property_set("kind") else ""
         for obj in chosen:
-            objects.mark(obj, self.role, self.kind)
+            objects.mark(obj, self.role, kind)
 
     def draw(self, context: Context) -> None:
         """The material only for bodies."""
@@ -111,6 +116,31 @@ class HELIFORM_OT_mark_as(Reporting, Operator):
         self.layout.prop(self, "role")
         if self.role == "BODY":
             self.layout.prop(self, "kind")
+
+
+class HELIFORM_OT_mark_light(Reporting, Operator):
+    """Say whether the selected Blender lights shine in the simulation"""
+
+    bl_idname = "heliform.mark_light"
+    bl_label = "Mark Light"
+    bl_options = {"REGISTER", "UNDO"}
+
+    role: EnumProperty(
+        name="Role",
+        description="Whether Heliform sees the selected lights",
+        items=[item for item in ROLES if item[0] in ("LAMP", "NONE")],
+        default="LAMP",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with a light selected."""
+        return bool(_lights(context))
+
+    def act(self, context: Context) -> None:
+        """Mark each; what of it is not understood is shown in the panel."""
+        for obj in _lights(context):
+            objects.mark(obj, self.role)
 
 
 class HELIFORM_OT_select(ObjectMode, Operator):
@@ -160,10 +190,15 @@ def _meshes(context: Context) -> list[Object]:
     ]
 
 
+def _lights(context: Context) -> list[Object]:
+    return [obj for obj in context.selected_objects if obj.type == "LIGHT"]
+
+
 _CLASSES = (
     HELIFORM_OT_add_lamp,
     HELIFORM_OT_add_receiver,
     HELIFORM_OT_mark_as,
+    HELIFORM_OT_mark_light,
     HELIFORM_OT_select,
     HELIFORM_OT_add_demo,
 )

@@ -7,9 +7,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...engines.core.errors import SceneError
-from ...engines.core.scene import Body, Lamp, Luminaire, Material, Mesh, Plane, Receiver, Scene
+from ...engines.core.scene import (
+    Body,
+    Lamp,
+    Luminaire,
+    Material,
+    Mesh,
+    Plane,
+    Receiver,
+    Scene,
+    Surface,
+)
 from ...engines.light.shape import placed_lamp, rectangle_receiver
 from ..properties import read, scale_of
+from .lights import is_sun, read_light, widened
+from .materials import read_material
 from .meshes import from_blender
 
 _SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
@@ -22,9 +34,13 @@ def read_scene(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Scene:
     """
     scale = scale_of(scene)
     bodies = [_body(o, depsgraph, scale) for o in objects_of(depsgraph.view_layer, "BODY")]
-    lamps = [read_lamp(o, depsgraph, scale) for o in objects_of(depsgraph.view_layer, "LAMP")]
     receivers = [
         read_receiver(o, depsgraph, scale) for o in objects_of(depsgraph.view_layer, "RECEIVER")
+    ]
+    lit = [body.mesh.vertices for body in bodies] + [_points(r) for r in receivers]
+    lamps = [
+        _sun(o, depsgraph, scale, lit) if is_sun(o) else read_lamp(o, depsgraph, scale)
+        for o in objects_of(depsgraph.view_layer, "LAMP")
     ]
     return Scene(tuple(bodies), tuple(lamps), tuple(receivers))
 
@@ -52,7 +68,9 @@ def read_lamp(
 
 
 def lamp_record(obj: bpy.types.Object, scale: float = 1.0) -> Lamp:
-    """The lamp that an object holds, its file as an absolute path."""
+    """The lamp that an object holds or a Blender light is, its file as an absolute path."""
+    if obj.type == "LIGHT":
+        return read_light(obj, scale).lamp
     lamp = read(obj.heliform.lamp, Lamp, scale)
     if not lamp.file:
         return lamp
@@ -100,8 +118,38 @@ def _texture(name: str, block: bpy.types.Mesh) -> NDArray[np.float64]:
     return texture.astype(np.float64)
 
 
+def body_material(obj: bpy.types.Object, scale: float = 1.0) -> Material:
+    """What light meets on a body: its own settings, or its Blender material at its own priority.
+
+    Raises SceneError where that is asked for and not understood.
+    """
+    own = read(obj.heliform.material, Material)
+    if obj.heliform.material_from == "OWN":
+        return own
+    return replace(read_material(obj, scale).material, priority=own.priority)
+
+
 def _body(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scale: float) -> Body:
-    return Body(obj.name, read_mesh(obj, depsgraph, scale), read(obj.heliform.material, Material))
+    return Body(obj.name, read_mesh(obj, depsgraph, scale), body_material(obj, scale))
+
+
+def _sun(
+    obj: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    scale: float,
+    lit: list[NDArray[np.float64]],
+) -> Luminaire:
+    """A sun over everything that is ``lit``."""
+    illuminance = lamp_record(obj, scale).flux
+    return widened(read_lamp(obj, depsgraph, scale), illuminance, lit)
+
+
+def _points(receiver: Receiver | Surface) -> NDArray[np.float64]:
+    """Points (N, 3) m between which a receiver lies."""
+    if isinstance(receiver, Surface):
+        return receiver.mesh.vertices
+    corner, u, v = receiver.origin, receiver.u, receiver.v
+    return np.stack([corner, corner + u, corner + v, corner + u + v])
 
 
 def _matrix(
