@@ -2,10 +2,18 @@
 
 from ..core.analysis import Analysis
 from .drawing import draw
-from .irradiance import Irradiance, IrradianceMap
+from .ies import files_beside
+from .irradiance import SUMS, Irradiance, IrradianceMap
 from .tracing import PhotonTracing, trace
+from .unwrap import unwrap
 
-TRACE_PHOTONS = Analysis("light.trace", PhotonTracing, trace, Irradiance, draw)
+TRACE_PHOTONS = Analysis(
+    *("light.trace", PhotonTracing, trace, Irradiance, draw),
+    refine=trace,
+    sums=SUMS,
+    unwrap=unwrap,
+    lamp_files=files_beside,
+)
 ANALYSES = (TRACE_PHOTONS,)
 
 __all__ = ["ANALYSES", "TRACE_PHOTONS", "Irradiance", "IrradianceMap", "PhotonTracing", "trace"]

@@ -1,7 +1,7 @@
 """Which directions, or which parts of a beam, can meet a body at all.
 
-Bodies are covered by balls, the opening by points with a covering radius; a cell is kept when light
-of it could touch a ball. The cover errs only to the safe side, so leaving cells out is unbiased.
+Bodies are covered by balls, the opening by patches about a point; a cell is kept when light of it
+could touch a ball. The cover errs only to the safe side, so leaving cells out is unbiased.
 """
 
 from collections.abc import Iterator
@@ -9,14 +9,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
 
 from .luminaires import Source
 
 VOXELS = 32
-OPENING_POINTS = 64
-CLASSES = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 180.0)
-"""Angular radii in degrees that the balls are gathered into before their cells are spread."""
 
 
 def cover(
@@ -79,68 +75,85 @@ def _lattices(triangles: NDArray[np.float64], size: float) -> Iterator[NDArray[n
         yield ((1 - v) * (a[these] + u * (b - a)[these]) + v * c[these]).reshape(-1, 3)
 
 
-def opening_points(source: Source) -> tuple[NDArray[np.float64], float]:
-    """Points (P, 2) m on the opening and a radius within which each of its places has one."""
+def patches_of(source: Source, side: int) -> tuple[NDArray[np.float64], float]:
+    """``side`` × ``side`` patches of the opening: a point of each (P, 2) in m, in rows, and a
+    radius within which all of its patch lies.
+
+    A round opening is the concentric image of a square [Shirley & Chiu 1997].
+    """
     if source.shape == "point":
         return np.zeros((1, 2)), 0.0
-    half = np.array([source.length, source.width]) / 2
-    k = np.arange(OPENING_POINTS)
+    along = np.linspace(0, 1, 5)
+    within = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
+    corner = np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1).reshape(-1, 1, 2)
+    places = 2 * (corner + within) / side - 1
     if source.shape == "round":
-        turn, reach = k * np.pi * (3 - np.sqrt(5)), np.sqrt((k + 0.5) / OPENING_POINTS)
-        points = np.stack([reach * np.cos(turn), reach * np.sin(turn)], axis=1)
-        # No place of the unit disk is farther than 1.8/√P from a point of this sunflower.
-        return points * half, 1.8 / np.sqrt(OPENING_POINTS) * float(half.max())
-    side = int(np.sqrt(OPENING_POINTS))
-    grid = (np.arange(side) + 0.5) / side * 2 - 1
-    x, y = np.meshgrid(grid, grid)
-    points = np.stack([x.ravel(), y.ravel()], axis=1) * half
-    return points, float(np.linalg.norm(half)) / side
+        places = _concentric(places)
+    places = places * np.array([source.length, source.width]) / 2
+    middle = places.mean(axis=1)
+    reach = np.linalg.norm(places - middle[:, None], axis=-1).max()
+    # Between the sampled places a curved border bulges by less than a twentieth.
+    return middle, 1.05 * float(reach)
+
+
+def _concentric(square: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Places of the square −1..1 (…, 2) on the unit disk."""
+    x, y = square[..., 0], square[..., 1]
+    wide = np.abs(x) > np.abs(y)
+    radius = np.where(wide, x, y)
+    turn = np.where(
+        wide,
+        np.pi / 4 * np.divide(y, x, out=np.zeros_like(x), where=wide),
+        np.pi / 2 - np.pi / 4 * np.divide(x, y, out=np.zeros_like(x), where=~wide & (y != 0)),
+    )
+    return np.stack([radius * np.cos(turn), radius * np.sin(turn)], axis=-1)
 
 
 def directions(
-    source: Source, centres: NDArray[np.float64], radius: float, rows: int, columns: int
+    source: Source,
+    points: NDArray[np.float64],
+    slack: float,
+    cover: tuple[NDArray[np.float64], float],
+    rows: int,
+    columns: int,
 ) -> NDArray[np.bool_]:
-    """Cells (rows in γ, columns in C) of direction that can meet a ball; lengths in m."""
-    points, slack = opening_points(source)
+    """Cells (P, rows in γ, columns in C) whose light can meet a ball of ``cover``; lengths in m.
+
+    ``points`` (P, 2) on the opening stand for patches of radius ``slack``. Each ball covers a
+    rectangle of cells: as high as it looks, and as wide as its cap is there.
+    """
+    centres, radius = cover
     local = (centres - source.origin) @ source.axes
-    mask = np.zeros((rows, columns), bool)
-    classes = np.radians(CLASSES)
-    marks = np.zeros((len(classes), rows, columns), bool)
-    for x, y in points:
-        ray = local - (x, y, 0.0)
-        distance = np.linalg.norm(ray, axis=1)
-        wide = np.arcsin(np.minimum((radius + slack) / np.maximum(distance, 1e-12), 1.0))
-        wide = np.where(distance <= radius + slack, np.pi, wide)
-        gamma = np.arccos(np.clip(-ray[:, 2] / np.maximum(distance, 1e-12), -1, 1))
-        turn = np.mod(np.arctan2(ray[:, 1], ray[:, 0]), 2 * np.pi)
-        row = np.minimum((gamma / np.pi * rows).astype(int), rows - 1)
-        column = np.minimum((turn / (2 * np.pi) * columns).astype(int), columns - 1)
-        marks[np.searchsorted(classes, wide), row, column] = True
-    for angle, mark in zip(classes, marks, strict=True):
-        if mark.any():
-            mask |= _spread(mark, angle)
-    return mask
-
-
-def _spread(mark: NDArray[np.bool_], angle: float) -> NDArray[np.bool_]:
-    """Cells within ``angle`` of a marked one: along C by the cap's width, then along γ."""
-    rows, columns = mark.shape
-    step = np.pi / rows
-    cap = angle + step
-    spread = np.zeros_like(mark)
-    for row in np.flatnonzero(mark.any(axis=1)):
-        low, high = row * step, (row + 1) * step
-        sine = min(np.sin(low), np.sin(high))
-        if cap >= np.pi / 2 or low <= cap or high >= np.pi - cap:
-            spread[row] = True
-            continue
-        reach = int(np.ceil(np.arcsin(np.sin(cap) / sine) / (2 * np.pi) * columns)) + 1
-        wide = min(2 * reach + 1, columns)
-        spread[row] = maximum_filter1d(mark[row].view(np.uint8), wide, mode="wrap") > 0
-    tall = 2 * (int(np.ceil(cap / step)) + 1) + 1
-    return (
-        maximum_filter1d(spread.view(np.uint8), min(tall, 2 * rows + 1), axis=0, mode="nearest") > 0
-    )
+    x, y = local[None, :, 0] - points[:, :1], local[None, :, 1] - points[:, 1:]
+    depth = -local[None, :, 2]
+    distance = np.sqrt(x * x + y * y + depth * depth)
+    around = distance <= radius + slack
+    sine = np.where(around, 1.0, (radius + slack) / np.maximum(distance, 1e-12))
+    wide = np.where(around, np.pi, np.arcsin(np.minimum(sine, 1.0)))
+    gamma = np.arccos(np.clip(depth / np.maximum(distance, 1e-12), -1, 1))
+    low, high = gamma - wide, gamma + wide
+    pole = (low <= 0) | (high >= np.pi)
+    reach = np.arcsin(np.where(pole, 0.0, np.minimum(sine / np.maximum(np.sin(gamma), 1e-12), 1)))
+    turn = np.mod(np.arctan2(y, x), 2 * np.pi)
+    step = np.array([np.pi / rows, 2 * np.pi / columns])
+    top, bottom = (np.clip(np.floor(e / step[0]), 0, rows - 1).astype(int) for e in (low, high))
+    left = np.where(pole, 0, np.floor((turn - reach) / step[1])).astype(int)
+    right = np.where(pole, columns - 1, np.floor((turn + reach) / step[1])).astype(int)
+    right = np.minimum(right, left + columns - 1)
+    shift = np.where(left < 0, columns, 0)
+    left, right = left + shift, right + shift
+    # Count rectangles by their corners, +1 where one begins and −1 past its end, with the columns
+    # laid out twice for those that go round.
+    shape = len(points), rows + 1, 2 * columns + 1
+    patch = np.arange(len(points))[:, None]
+    corners = [(top, left, 1), (top, right + 1, -1), (bottom + 1, left, -1)]
+    corners += [(bottom + 1, right + 1, 1)]
+    count = np.zeros(shape[0] * shape[1] * shape[2], np.int32)
+    for row, column, sign in corners:
+        index = ((patch * shape[1] + row) * shape[2] + column).ravel()
+        count += sign * np.bincount(index, minlength=count.size).astype(np.int32)
+    covered = count.reshape(shape).cumsum(axis=1).cumsum(axis=2)[:, :rows, : 2 * columns] > 0
+    return covered[..., :columns] | covered[..., columns:]
 
 
 def patches(

@@ -15,7 +15,7 @@ from scipy.special import stdtrit
 from ..core import runtime
 from ..core.scene import Receiver
 from .atlas import Texels
-from .emission import intensity_grid
+from .emission import bilinear, intensity_grid
 from .interval import CONFIDENCE
 from .luminaires import Source
 from .stage import MM, Stage
@@ -61,7 +61,8 @@ def direct_light(
     seen = shares(every, FIRST, 0)
     edges = np.zeros(value.shape, bool)
     edges[every] = seen.min(axis=0) != seen.max(axis=0)
-    mixed = np.asarray(binary_dilation(edges.reshape(shape), iterations=MARGIN)).ravel()[every]
+    wide = np.asarray(binary_dilation(edges.reshape(shape), iterations=MARGIN), dtype=bool)
+    mixed = wide.ravel()[every]
     if source.distribution is None:
         mixed |= spots.rim(source)
     share, doubt = seen.mean(axis=0), np.zeros(every.shape)
@@ -133,6 +134,7 @@ class _MeshSpots:
     """Places on the texels of a mesh: about their centroids, on the plane of their mean normal."""
 
     def __init__(self, stage: Stage, side: Side, chart: Texels) -> None:
+        self.receiver = side.receiver
         self.texels = np.flatnonzero(chart.area.ravel() > 0).astype(np.uint32)
         self.centres = chart.place.reshape(-1, 3)[self.texels]
         normals = chart.normal.reshape(-1, 3)
@@ -195,20 +197,10 @@ class _Light:
     def toward(self, ray: Any) -> Any:
         """Luminous intensity in cd along unit vectors, bilinear in the fine grid."""
         x, y, z = (dr.dot(ray, axis) for axis in self.axes)
-        rows, columns = self.shape
-        gamma = dr.atan2(dr.sqrt(x * x + y * y), -z) / dr.pi * Float(rows - 1)
-        turn = dr.atan2(y, x) / dr.two_pi
-        turn = (turn - dr.floor(turn)) * Float(columns - 1)
-        i, j = dr.minimum(UInt32(gamma), rows - 2), dr.minimum(UInt32(turn), columns - 2)
-        u, v = gamma - Float(i), turn - Float(j)
-        low, high = i * columns + j, (i + 1) * columns + j
-        near = dr.lerp(
-            dr.gather(Float, self.intensity, low), dr.gather(Float, self.intensity, low + 1), v
-        )
-        far = dr.lerp(
-            dr.gather(Float, self.intensity, high), dr.gather(Float, self.intensity, high + 1), v
-        )
-        return dr.lerp(near, far, u)
+        gamma = dr.atan2(dr.sqrt(x * x + y * y), -z)
+        turn = dr.atan2(y, x)
+        turn = dr.select(turn < 0, turn + dr.two_pi, turn)
+        return bilinear(self.intensity, self.shape, gamma, turn)
 
     def unobstructed(self, texels: NDArray[np.uint32]) -> NDArray[np.float64]:
         """The closed form: illuminance (T,) in lx with nothing in the way."""
@@ -234,6 +226,8 @@ class _Light:
         scrambled = mi.sample_tea_32(dr.opaque(UInt32, seed), texel)
         random = mi.PCG32(initstate=mi.UInt64(scrambled[0]), initseq=mi.UInt64(scrambled[1]))
         beam = self.source.distribution is None
+        # A plane does not shade itself, whatever float32 makes of a place on it.
+        others = [p for p in self.stage.planes if p.receiver is not self.spots.receiver]
         normal, lifted = self.spots.normal(texel), self.spots.lifted(texel)
 
         def add(k: Any, whole: Any, seen: Any, random: Any) -> tuple[Any, ...]:
@@ -245,7 +239,7 @@ class _Light:
                 lux, ray, distance = self.from_opening(place, normal, x, y)
             start = place + normal * lifted - ray * 1e-2
             visible = Bool(True)
-            for plane in self.stage.planes:
+            for plane in others:
                 visible &= ~plane.blocks(start, -ray, distance - 2e-2)
             if self.stage.scene is not None:
                 back = mi.Ray3f(start, -ray, distance - 2e-2, 0.0, [])

@@ -4,9 +4,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.colour import Display, scale_for
 from ..core.picture import colour_png, false_colour_png
+from .atlas import padded
 from .irradiance import COLOURS, Irradiance, IrradianceMap
 from .section import section
 
@@ -32,6 +34,7 @@ def draw_map(result: IrradianceMap, folder: Path, display: Display, prefix: str 
     files = []
 
     def picture(name: str, values: Any, quantity: str, title: str) -> None:
+        values = shown(values, result.inside)
         scale = scale_for(values, display, quantity, "lx")
         files.append(f"{prefix}{name}.png")
         false_colour_png(folder / files[-1], values, scale, f"{result.name}: {title}", note)
@@ -47,13 +50,31 @@ def draw_map(result: IrradianceMap, folder: Path, display: Display, prefix: str 
     colour = np.stack([getattr(result, name) for name in COLOURS], axis=-1)
     if colour.any():
         files.append(f"{prefix}colour.png")
-        colour_png(folder / files[-1], colour, f"{result.name}: colour", note)
+        light = shown(colour, result.inside)
+        colour_png(folder / files[-1], light, f"{result.name}: colour", note)
     if result.inside.all():
         profile = section(result)
         profile.save_png(folder / f"{prefix}section.png", display.log)
         profile.save_csv(folder / f"{prefix}section.csv")
         files += [f"{prefix}section.png", f"{prefix}section.csv"]
     return files
+
+
+def shown(
+    values: NDArray[np.floating], inside: NDArray[np.bool_], gutter: int = 0
+) -> NDArray[np.floating]:
+    """A map (rows, columns[, k]) as it is shown: NaN where there is no surface.
+
+    ``inside`` (rows, columns) is where there is some; around it, values are carried ``gutter``
+    texels on, for a viewport that draws a chart's border just beyond it.
+    """
+    if inside.all():
+        return values
+    there = inside
+    if gutter:
+        there = padded(inside.astype(np.float32), inside, gutter) > 0
+        values = padded(values, inside, gutter)
+    return np.where(there[(...,) + (None,) * (values.ndim - 2)], values, np.nan)
 
 
 def summary(result: IrradianceMap) -> str:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.errors import SceneError
 from ..core.scene import Receiver, Scene
 from . import atlas
 from .atlas import Texels
@@ -37,7 +38,17 @@ class Grid:
 
 
 def grid_of(scene: Scene) -> Grid:
-    """The texels of a scene. Raises SceneError for a mesh whose UV map cannot take light."""
+    """The texels of a scene.
+
+    Raises SceneError for a mesh whose UV map cannot take light, and for a receiver that returns all
+    light: what arrives is counted by what stays.
+    """
+    for receiver in scene.receivers:
+        if receiver.reflectance >= 1:
+            raise SceneError(
+                f"Receiver “{receiver.name}” returns all light, so that none stays to be counted; "
+                "lower its reflectance below 1."
+            )
     sides = sides_of(scene)
     charts: dict[int, Texels] = {}
     for receiver in scene.receivers:

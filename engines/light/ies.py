@@ -13,7 +13,7 @@ from . import goniometry
 from .numerals import ANEW, Numerals, Row, check_count, fault, lines_of, numerals, read_text
 from .opening import level_opening
 from .photometry import Photometry, luminous_flux
-from .tilt import read_tilt
+from .tilt import read_tilt, tilt_file
 
 FOOT = 0.3048
 BRIGHTEST = 1e30
@@ -62,6 +62,17 @@ def read_ies(path: str | Path) -> Photometry:
     if head.lumens > 0:
         return photometry
     return replace(photometry, flux=luminous_flux(photometry))
+
+
+def files_beside(path: str | Path) -> list[Path]:
+    """The files that a photometric file takes numbers from: that of its tilt, if it has one.
+
+    Raises FileError where it or they cannot be read.
+    """
+    path = Path(path)
+    _, (line, named), _ = _split(path.name, read_text(path))
+    found = tilt_file(path, line, named)
+    return [found] if found else []
 
 
 class _Head(NamedTuple):

@@ -10,16 +10,22 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from ..core.errors import SceneError
-from ..core.scene import Body, Luminaire, Mesh
+from ..core.scene import Body, Luminaire, Mesh, Vector
 from ..core.solid import encloses
 from . import spectrum
+from .clipping import coverage
 
 MOST = 31
 """Transparent bodies in a scene: one bit each."""
 BESIDE = 1e-6
 """m between the faces of two bodies that count as touching."""
+LEVEL = 1e-2
+"""m from which faces that lean by BESIDE have one plane: 0.1 mrad."""
+PLANES, CELLS = 64, 256
+"""Planes that are looked at, the largest, and cells a side on each, to find touching faces."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +41,7 @@ class Media:
     absorption: NDArray[np.float64]
 
 
-def media_of(bodies: tuple[Body, ...], wavelengths: NDArray[np.float64] | None) -> Media:
+def media_of(bodies: tuple[Body, ...], wavelengths: NDArray[np.floating] | None) -> Media:
     """Rank the transparent bodies and look up their indices of refraction.
 
     ``wavelengths`` (K,) in nm, or None for the one index that each material names. Raises
@@ -108,16 +114,56 @@ def _sample(mesh: Mesh, count: int = 16) -> NDArray[np.float64]:
 
 
 def _touching(one: Mesh, other: Mesh) -> bool:
-    """Whether faces of both lie on each other, found where their centres coincide."""
-    places = [m.vertices[m.faces].mean(axis=1) for m in (one, other)]
-    low = np.maximum(places[0].min(axis=0), places[1].min(axis=0)) - BESIDE
-    high = np.minimum(places[0].max(axis=0), places[1].max(axis=0)) + BESIDE
-    keys = [
-        np.round(p[((p >= low) & (p <= high)).all(axis=1)] / BESIDE).astype(np.int64)
-        for p in places
-    ]
-    if not all(map(len, keys)):
+    """Whether faces of both lie on each other: on one plane, with a common part of it."""
+    corners = [m.vertices[m.faces] for m in (one.triangles(), other.triangles())]
+    low = np.maximum(*(c.min(axis=(0, 1)) for c in corners)) - BESIDE
+    high = np.minimum(*(c.max(axis=(0, 1)) for c in corners)) + BESIDE
+    near = [c[((c.max(axis=1) >= low) & (c.min(axis=1) <= high)).all(axis=1)] for c in corners]
+    if not all(map(len, near)):
         return False
-    # Numbers of one row each, so that rows can be compared at once.
-    rows = [np.ascontiguousarray(k).view([("", k.dtype)] * 3).ravel() for k in keys]
-    return bool(np.isin(rows[0], rows[1]).any())
+    near = [c - (low + high) / 2 for c in near]
+    planes = [_planes(c) for c in near]
+    # Faces of the one that lie on a plane of the other, the largest first.
+    left = np.isfinite(KDTree(planes[1]).query(planes[0], distance_upper_bound=BESIDE)[0])
+    size = np.linalg.norm(_cross(near[0]), axis=1)
+    for _ in range(PLANES):
+        if not left.any():
+            return False
+        plane = planes[0][np.where(left, size, 0.0).argmax()]
+        on = [np.abs(p - plane).max(axis=1) <= 2 * BESIDE for p in planes]
+        if _sharing(*(c[o] for c, o in zip(near, on, strict=True)), plane[:3]):
+            return True
+        left &= ~on[0]
+    return False
+
+
+def _cross(corners: Vector) -> Vector:
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+
+def _planes(corners: Vector) -> Vector:
+    """The planes of triangles (T, 4): unit normal × LEVEL, and the distance from the origin in m.
+
+    Of the two normals the one whose largest component is positive.
+    """
+    normal = _cross(corners)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
+    largest = np.take_along_axis(normal, np.abs(normal).argmax(axis=1)[:, None], axis=1)
+    normal *= np.sign(largest)
+    away = np.einsum("tj,tj->t", normal, corners.mean(axis=1))
+    return np.column_stack([normal * LEVEL, away])
+
+
+def _sharing(one: Vector, other: Vector, normal: Vector) -> bool:
+    """Whether triangles of the one cover some of the others', all in the plane across ``normal``.
+
+    Found where they claim more of a cell of a fine grid than there is.
+    """
+    if not len(other):
+        return False
+    axes = np.linalg.svd(normal[None, :])[2][1:]
+    flat = [c @ axes.T for c in (one, other)]
+    low = np.minimum(*(f.min(axis=(0, 1)) for f in flat))
+    size = np.maximum(*(f.max(axis=(0, 1)) for f in flat)) - low
+    covered = [np.minimum(coverage((f - low) / size, CELLS, CELLS), 1.0) for f in flat]
+    return bool((covered[0] + covered[1] > 1.001).any())

@@ -7,9 +7,9 @@ import numpy as np
 
 from ..core import runtime
 from .emission import Emitter, draw
-from .stage import KINDS, OWNER, RECORD, Stage
+from .stage import KINDS, OFFSET_MM, OFFSET_SHARE, OWNER, RECORD, Stage
 from .tally import FATES, ROUTES, Landing
-from .targets import NOWHERE, Met, texel_at
+from .targets import MESH, NOWHERE, Met, texel_at
 
 mi = runtime.mitsuba()
 import drjit as dr  # noqa: E402  (loads LLVM: only after the runtime has chosen which)
@@ -24,10 +24,10 @@ SURFACE, DIELECTRIC = KINDS.index("surface"), KINDS.index("dielectric")
 ROULETTE_FROM = 32
 SURVIVAL = 0.9
 LONGEST = 512
-OFFSET_MM = 1e-3
-OFFSET_SHARE = 2e-6
 NEAR = 2.0
 """Times the largest coordinate: the corner of a cube is √3 away."""
+LAMP = 0xFFFFFFFE
+"""Where a photon comes from that has met nothing yet."""
 
 
 def step_at(place: Any) -> Any:
@@ -40,8 +40,9 @@ def step_at(place: Any) -> Any:
 class Photon:
     """The state that travels through the loop, a photon a lane.
 
-    ``inside`` has a bit for each medium that the photon is in, lowest first; ``band`` is its place
-    among the wavelengths, or () where there is one.
+    ``last`` is what it met last: the number of a plane, MESH or, at first, LAMP. ``inside`` has a
+    bit for each medium that the photon is in, lowest first; ``band`` is its place among the
+    wavelengths, or () where there is one.
     """
 
     origin: Any
@@ -49,6 +50,7 @@ class Photon:
     weight: Any
     active: Any
     bounces: Any
+    last: Any
     route: Any
     fate: Any
     texel: Any
@@ -75,6 +77,7 @@ def trace_batch(
         weight=weight,
         active=weight > 0,
         bounces=dr.zeros(UInt32, count),
+        last=dr.full(UInt32, LAMP, count),
         route=dr.full(UInt32, DIRECT, count),
         fate=dr.full(UInt32, ESCAPED, count),
         texel=dr.full(UInt32, NOWHERE, count),
@@ -101,13 +104,17 @@ def _near(origin: Any, direction: Any, stage: Stage) -> Any:
 
 def _step(p: Photon, stage: Stage) -> Photon:
     """From one surface to the next."""
-    nearest = Met(Float(dr.inf), UInt32(NOWHERE), Float(0), mi.Vector3f(0, 0, 1))
+    nearest = Met(Float(dr.inf), UInt32(NOWHERE), Float(0), mi.Vector3f(0, 0, 1), UInt32(MESH))
     slack = 2 * step_at(p.origin)
+    # A photon that has just left glass on a plane may stand a step behind it; a lamp may be let
+    # into one, as in a ceiling; and what a plane returns cannot meet it again at once.
+    behind = dr.select(p.last == LAMP, -slack, slack)
     for plane in stage.planes:
-        met = plane.meet(p.origin, p.direction, slack)
-        nearest = dr.select(met.distance < nearest.distance, met, nearest)
+        met = plane.meet(p.origin, p.direction, behind)
+        nearer = (met.distance < nearest.distance) & (met.plane != p.last)
+        nearest = dr.select(nearer, met, nearest)
     if stage.scene is None:
-        return _land(p, p.active & dr.isfinite(nearest.distance), nearest, stage)
+        return _roulette(_land(p, p.active & dr.isfinite(nearest.distance), nearest, stage))
 
     # Glass that lies on a plane comes before it.
     ray = mi.Ray3f(p.origin, p.direction, nearest.distance + slack, 0.0, [])
@@ -140,7 +147,9 @@ def _land(p: Photon, landing: Any, met: Met, stage: Stage) -> Photon:
         point = mi.Point2f(p.random.next_float32(here), p.random.next_float32(here))
         matte = mi.Frame3f(met.normal).to_world(mi.warp.square_to_cosine_hemisphere(point))
         place = p.origin + met.distance * p.direction
-        origin = dr.select(going, place + step_at(place) * met.normal, origin)
+        # Behind a plane, so that glass that lies on it is met.
+        side = dr.select(met.plane == MESH, step_at(place), -step_at(place))
+        origin = dr.select(going, place + side * met.normal, origin)
         direction = dr.select(going, matte, direction)
         route = dr.select(going, UInt32(INDIRECT), route)
         if p.light:
@@ -154,6 +163,7 @@ def _land(p: Photon, landing: Any, met: Met, stage: Stage) -> Photon:
         light=light,
         route=route,
         bounces=p.bounces + 1,
+        last=met.plane,
         fate=dr.select(landing & ~going, fate, p.fate),
         texel=dr.select(gathers, met.texel, p.texel),
         active=going,
@@ -177,7 +187,8 @@ def _ior(stage: Stage, p: Photon, medium: Any, active: Any) -> Any:
     """Index of refraction of a medium at the photon's wavelength."""
     if stage.bands == 1:
         return dr.gather(Float, stage.ior, medium, active)
-    place = p.band * (stage.bands - 1)
+    # As `spectrum.Bands.table` says.
+    place = dr.clip(p.band * stage.bands - 0.5, 0, stage.bands - 1)
     low = dr.minimum(UInt32(place), stage.bands - 2)
     first = medium * stage.bands + low
     return dr.lerp(
@@ -200,7 +211,7 @@ def _surface(p: Photon, stage: Stage, hit: Any, met: Any) -> tuple[Any, Met]:
     before = dr.dot(p.direction, flat) < 0
     texel = texel_at(dr.select(before, front, back), u, v, columns, rows)
     normal = dr.select(before, flat, -flat)
-    return met & (own[0] == SURFACE), Met(hit.t, texel, own[2], normal)
+    return met & (own[0] == SURFACE), Met(hit.t, texel, own[2], normal, UInt32(MESH))
 
 
 def _scatter(p: Photon, stage: Stage, hit: Any, met: Any) -> Photon:
@@ -228,7 +239,9 @@ def _scatter(p: Photon, stage: Stage, hit: Any, met: Any) -> Photon:
     ior = _ior(stage, p, inner, met) / _ior(stage, p, outer, met)
     taken = met & _tinted(p, stage, hit.t, here, met)
 
-    rough = own[4] if "rough" in stage.features else ()
+    # Between two places of one body nothing is met.
+    bare = clear & (inner == outer)
+    rough = dr.select(bare, 0, own[4]) if "rough" in stage.features else ()
     meeting = surfaces.Meeting(
         p.direction, smooth, flat, outside, ior, own[2], own[3], rough, p.random, met, p.light
     )
@@ -242,8 +255,7 @@ def _scatter(p: Photon, stage: Stage, hit: Any, met: Any) -> Photon:
     # Leave the surface by a few float32 steps to the side where the photon goes on.
     place = p.origin + hit.t * p.direction
     place += dr.select(outside == outcome.through, -1, 1) * step_at(place) * flat
-    # Between two places of one body nothing is met.
-    seen = dr.select(clear & (inner == outer), p.route, dr.maximum(p.route, UInt32(CAUSTIC)))
+    seen = dr.select(bare, p.route, dr.maximum(p.route, UInt32(CAUSTIC)))
     return replace(
         p,
         origin=place,
@@ -252,6 +264,7 @@ def _scatter(p: Photon, stage: Stage, hit: Any, met: Any) -> Photon:
         route=dr.select(outcome.matte, UInt32(INDIRECT), seen),
         inside=dr.select(outcome.through, beyond, here),
         bounces=p.bounces + 1,
+        last=UInt32(MESH),
         active=met & ~absorbed,
         light=outcome.light,
     )

@@ -21,6 +21,11 @@ from .media import Media, media_of
 from .targets import Plane, Side, first_texels, sides_of
 
 MM = 1000.0
+OFFSET_MM = 1e-3
+OFFSET_SHARE = 2e-6
+"""A photon is set off a surface by the one and this share of its largest coordinate."""
+BEHIND = 3.0
+"""Such steps that a receiver's mesh stands back, so that glass on it is met, and left, first."""
 KINDS = ("dielectric", "mirror", "diffuse", "plastic", "absorber", "surface")
 """What a triangle can belong to: a body of one of the material's kinds, or a receiver."""
 RECORD = 16
@@ -61,7 +66,7 @@ class Stage:
         return (points - self.centre) * MM
 
 
-def build(scene: Scene, wavelengths: NDArray[np.float64] | None = None) -> Stage:
+def build(scene: Scene, wavelengths: NDArray[np.floating] | None = None) -> Stage:
     """The stage for a scene, with the indices of its glass at ``wavelengths`` (K,) in nm if any.
 
     Raises SceneError for an open or inside-out dielectric, for a body without faces, and for glass
@@ -88,9 +93,8 @@ def build(scene: Scene, wavelengths: NDArray[np.float64] | None = None) -> Stage
     media = media_of(scene.bodies, wavelengths)
     sides = sides_of(scene)
     planes = tuple(
-        Plane(r, (r.origin - centre) * MM, first_texels(sides, r))
-        for r in scene.receivers
-        if isinstance(r, Receiver)
+        Plane(number, r, (r.origin - centre) * MM, first_texels(sides, r))
+        for number, r in enumerate(r for r in scene.receivers if isinstance(r, Receiver))
     )
     return Stage(
         centre=centre,
@@ -202,6 +206,8 @@ def _soup(scene: Scene, centre: NDArray[np.float64]) -> _Soup:
         # About a vertex of its own, so that a small face far from the centre keeps its direction.
         own = (mesh.vertices - mesh.vertices[mesh.faces[0, 0]]).astype(np.float32)
         normal, area = _face_normals(own, mesh.faces)
+        if texture is not None:
+            places = _set_back(places, mesh.faces, normal * area[:, None])
         keep = area > 0
         if not keep.any():
             raise SceneError(f"“{name}” has no face with an area; rebuild its mesh.")
@@ -223,8 +229,21 @@ def _soup(scene: Scene, centre: NDArray[np.float64]) -> _Soup:
         count += len(places)
         sending += len(normal) if sends else 0
     if not faces:
-        return _Soup(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32), np.zeros(0), 0)
+        nothing = np.zeros((0, 3), np.float32)
+        return _Soup(nothing, nothing.astype(np.uint32), nothing, 0)
     return _Soup(np.concatenate(vertices), np.concatenate(faces), np.concatenate(records), sending)
+
+
+def _set_back(
+    places: NDArray[np.float32], faces: NDArray[np.int32], areas: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Vertices in mm moved a few steps against their normals, the sum of their faces' ``areas``."""
+    sums = [np.bincount(faces.ravel(), np.repeat(a, 3), len(places)) for a in areas.T]
+    outward = np.stack(sums, axis=1)
+    length = np.linalg.norm(outward, axis=1, keepdims=True)
+    outward = np.divide(outward, length, out=outward, where=length > 0)
+    step = OFFSET_MM + OFFSET_SHARE * np.abs(places).max(axis=1, keepdims=True)
+    return (places - BEHIND * step * outward).astype(np.float32)
 
 
 def _meshes(scene: Scene) -> Iterator[tuple[str, Mesh, NDArray[np.float64] | None, bool]]:

@@ -1,6 +1,7 @@
 """What has landed where and what became of the flux, summed batch by batch."""
 
 import json
+import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -40,9 +41,9 @@ class Tally:
     ``routes`` (3, T) are Σw a texel by ROUTES, ``square`` (T,) is Σw² of the photons counted, those
     of direct light only where ``everything`` is traced. ``colour`` (2, T) are Σw of X and Z, where
     Σw is Y, if ``bands`` (K, 4) say what a photon's wavelength weighs (`spectrum.Bands.table`).
-    ``flux`` is Σw by FATES, with what roulette gave taken off ``cut_off``, ``traced`` is Σw at the
-    start, ``unaimed`` Σw of direct light that landed without being counted. ``batches`` is how many
-    were added: the next one's random numbers follow from it.
+    There each photon counts with the lumens of its wavelength in everything else too. ``flux`` is Σw by FATES, with what roulette gave taken off ``cut_off``,
+    ``traced`` is Σw at the start, ``unaimed`` Σw of direct light that landed without being counted.
+    ``batches`` is how many were added: the next one's random numbers follow from it.
     """
 
     texels: int
@@ -80,11 +81,16 @@ class Tally:
     def add(self, landing: Landing, share: float) -> None:
         """Count a batch of the luminaire that sends this ``share`` of all photons."""
         weight = landing.weight.astype(np.float64) / share
-        gained = float(landing.gained.sum(dtype=np.float64)) / share
+        gained = landing.gained.astype(np.float64) / share
+        others = np.zeros((0, len(weight)))
+        if landing.band is not None:
+            of_x, of_y, of_z = self._weights(landing.band)
+            others = weight * [of_x, of_z]
+            weight, gained = weight * of_y, gained * of_y
         for name, fate in FATES.items():
             self.flux[name] += float(weight[landing.fate == fate].sum())
-        self.flux["cut_off"] -= gained
-        self.traced += float(weight.sum()) - gained
+        self.flux["cut_off"] -= float(gained.sum())
+        self.traced += float(weight.sum() - gained.sum())
         self.emitted += len(weight)
 
         on = landing.fate == FATES["landed"]
@@ -93,9 +99,8 @@ class Tally:
             self.unaimed += float(weight[straight].sum())
             on &= ~straight
         texel, weight, route = landing.texel[on], weight[on], landing.route[on]
-        if landing.band is not None:
-            of_x, weight, of_z = weight * self._weights(landing.band[on])
-            self.colour += [np.bincount(texel, w, self.texels) for w in (of_x, of_z)]
+        for total, other in zip(self.colour, others, strict=True):
+            total += np.bincount(texel, other[on], self.texels)
         for index, total in enumerate(self.routes):
             chosen = route == index
             if chosen.any():
@@ -145,9 +150,10 @@ class Tally:
             with np.load(path) as saved:
                 about = json.loads(str(saved["about"]))
                 arrays = {name: saved[name] for name in ("routes", "square", "colour")}
-        except (OSError, ValueError, KeyError, EOFError, BadZipFile):
+            found = about["key"]
+        except _DAMAGED:
             raise FileError(f"“{path}” holds no sums of photons; trace anew.") from None
-        if about["key"] != key or any(getattr(self, n).shape != a.shape for n, a in arrays.items()):
+        if found != key or any(getattr(self, n).shape != a.shape for n, a in arrays.items()):
             return False
         for name in _SCALARS:
             setattr(self, name, about[name])
@@ -157,4 +163,9 @@ class Tally:
         return True
 
 
+_DAMAGED = (
+    *(OSError, EOFError, ValueError, TypeError, KeyError, AttributeError, RuntimeError),
+    *(BadZipFile, zlib.error),
+)
+"""What NumPy, zipfile and zlib raise over a file that is not, or no longer, an archive of sums."""
 _SCALARS = ("traced", "unaimed", "emitted", "landed", "batches")

@@ -11,12 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import runtime
+from ..core.errors import SceneError
 from ..core.scene import Receiver, Scene, Surface
 
 MOST = 1 << 28
 """Texels of a scene."""
 NOWHERE = 0xFFFFFFFF
 """The texel of a side that does not gather."""
+MESH = 0xFFFFFFFF
+"""Stands for the number of a plane where a mesh is met."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,12 +44,20 @@ class Side:
 
 
 def sides_of(scene: Scene) -> tuple[Side, ...]:
-    """All sides that gather, in the receivers' order."""
+    """All sides that gather, in the receivers' order.
+
+    Raises SceneError for more than MOST texels.
+    """
     sides, first = [], 0
     for receiver in scene.receivers:
         for back in (False, True)[: 1 + (receiver.sides == "both")]:
             sides.append(Side(receiver, back, first))
             first += receiver.rows * receiver.columns
+    if first > MOST:
+        raise SceneError(
+            f"The receivers have {first:,} texels together, more than {MOST:,}; lower their "
+            "resolution."
+        )
     return tuple(sides)
 
 
@@ -62,19 +73,25 @@ def first_texels(sides: tuple[Side, ...], receiver: Receiver | Surface) -> tuple
 @dataclass
 class Met:
     """Where photons meet a receiver: ``distance`` in mm (inf where missed), the ``texel`` or
-    NOWHERE, the receiver's ``reflectance`` and its ``normal`` on the side that is met."""
+    NOWHERE, the receiver's ``reflectance``, its ``normal`` on the side that is met, and the number
+    of the ``plane``, or MESH."""
 
     distance: Any
     texel: Any
     reflectance: Any
     normal: Any
+    plane: Any
 
 
 class Plane:
-    """A rectangular receiver on the device, in stage space."""
+    """A rectangular receiver on the device, in stage space, the ``number``-th of the planes."""
 
     def __init__(
-        self, receiver: Receiver, origin: NDArray[np.float64], first: tuple[int, int]
+        self,
+        number: int,
+        receiver: Receiver,
+        origin: NDArray[np.float64],
+        first: tuple[int, int],
     ) -> None:
         mi = runtime.mitsuba()
         import drjit as dr
@@ -83,6 +100,7 @@ class Plane:
             return mi.Vector3f(*(dr.opaque(mi.Float, float(c)) for c in vector))
 
         u, v = receiver.u * 1000.0, receiver.v * 1000.0
+        self.number, self.receiver = number, receiver
         self.origin = mi.Point3f(fixed(origin))
         self.normal = fixed(receiver.normal)
         # Rows of the inverse: dot with a place on the plane gives its texture coordinate.
@@ -92,7 +110,8 @@ class Plane:
         self.reflectance = dr.opaque(mi.Float, receiver.reflectance)
 
     def meet(self, origin: Any, direction: Any, slack: Any) -> Met:
-        """Where rays meet the plane; it may lie up to ``slack`` mm behind their origin."""
+        """Where rays meet the plane; it may lie up to ``slack`` mm behind their origin, or must
+        lie as far before it where that is negative."""
         mi = runtime.mitsuba()
         import drjit as dr
 
@@ -101,7 +120,6 @@ class Plane:
         distance = dr.maximum(-height / facing, 0)
         offset = origin + distance * direction - self.origin
         u, v = dr.dot(offset, self.to_u), dr.dot(offset, self.to_v)
-        # A photon that has just left glass on the plane may stand a step behind it.
         ahead = dr.select(facing < 0, height > -slack, height < slack)
         met = ahead & (u >= 0) & (u < 1) & (v >= 0) & (v < 1)
         first = dr.select(facing < 0, self.front, self.back)
@@ -110,6 +128,7 @@ class Plane:
             texel_at(first, u, v, mi.UInt32(self.columns), mi.UInt32(self.rows)),
             self.reflectance,
             dr.select(facing < 0, self.normal, -self.normal),
+            mi.UInt32(self.number),
         )
 
     def blocks(self, origin: Any, direction: Any, distance: Any) -> Any:

@@ -74,7 +74,8 @@ def read_tilt(path: Path, line: int, named: str, numbers: Numerals) -> Tilt | No
         return _block(numbers)
     if not named:
         raise fault(path.name, line, "has nothing after TILT=", "write TILT=NONE if that is meant")
-    block = numerals(*_beside(path, line, named))
+    found = _beside(path, line, named)
+    block = numerals(found.name, lines_of(read_text(found, "tilt file")), 1)
     tilt = _block(block)
     if len(block.values):
         raise fault(
@@ -86,8 +87,16 @@ def read_tilt(path: Path, line: int, named: str, numbers: Numerals) -> Tilt | No
     return tilt
 
 
-def _beside(path: Path, line: int, named: str) -> tuple[str, list[str], int]:
-    """Name, lines and first line of the tilt file; letters' case counts only where it must."""
+def tilt_file(path: Path, line: int, named: str) -> Path | None:
+    """The file that a photometric file takes its tilt from, None where it takes it from none.
+
+    Otherwise as `read_tilt`. Raises FileError where it is not there.
+    """
+    return None if named.upper() in ("", "NONE", "INCLUDE") else _beside(path, line, named)
+
+
+def _beside(path: Path, line: int, named: str) -> Path:
+    """The tilt file; letters' case counts only where it must."""
     name = named.replace("\\", "/").rsplit("/", 1)[-1]
     try:
         near = sorted(p for p in path.parent.iterdir() if p.name.lower() == name.lower())
@@ -100,8 +109,7 @@ def _beside(path: Path, line: int, named: str) -> tuple[str, list[str], int]:
             f"takes its tilt factors from “{named}”, which is not beside it",
             "put that file into the same folder, or write TILT=NONE if the lamp hangs upright",
         )
-    found = next((p for p in near if p.name == name), near[0])
-    return found.name, lines_of(read_text(found, "tilt file")), 1
+    return next((p for p in near if p.name == name), near[0])
 
 
 def _block(numbers: Numerals) -> Tilt:

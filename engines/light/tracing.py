@@ -4,7 +4,7 @@ import hashlib
 import os
 import tempfile
 import time
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -20,7 +20,7 @@ from ..core.scene import Body, Scene
 from . import finish, interval, spectrum
 from .grid import Grid, grid_of
 from .irradiance import Irradiance
-from .luminaires import source
+from .luminaires import Source, source
 from .media import require_outside
 from .tally import Tally
 from .targets import Side
@@ -99,7 +99,7 @@ def trace(
     sources = [source(luminaire) for luminaire in scene.luminaires]
     notes += [note for lamp in sources for note in lamp.notes]
     grid = grid_of(scene)
-    key = _key(scene, tracing, seed) if tracing.keep_sums or sums else ""
+    key = _key(scene, sources, tracing, seed) if tracing.keep_sums or sums else ""
     bands = None
     if tracing.colour != "none":
         bands = spectrum.Bands(spectrum.spectrum(tracing.colour))
@@ -157,14 +157,22 @@ def _reflectance(side: Side) -> NDArray[np.float64]:
     return np.full(side.receiver.rows * side.receiver.columns, side.receiver.reflectance)
 
 
-def _key(scene: Scene, tracing: PhotonTracing, seed: int) -> str:
+def _key(scene: Scene, sources: list[Source], tracing: PhotonTracing, seed: int) -> str:
     """What sums of photons are sums of: the scene, the physics and the random numbers."""
     digest = hashlib.sha256()
     physics = {n: getattr(tracing, n) for n in ("fresnel", "direct", "colour", "repair")}
     digest.update(repr((seed, physics, VERSION)).encode())
-    for thing in (*scene.bodies, *scene.luminaires, *scene.receivers):
+    for thing in (*scene.bodies, *map(_told, sources), *scene.receivers):
         _fed(digest, thing)
     return digest.hexdigest()
+
+
+def _told(lamp: Source) -> Source:
+    """A lamp by the light that it gives: its file may lie elsewhere, under another name."""
+    light = lamp.distribution
+    if light is not None:
+        light = replace(light, name="", keywords={}, notes=())
+    return replace(lamp, distribution=light, notes=())
 
 
 def _fed(digest: Any, thing: Any) -> None:

@@ -33,7 +33,7 @@ class _Flat:
     sizes: Vector
 
 
-def unwrap(mesh: Mesh, resolution: int, padding: int = 2) -> Vector:
+def unwrap(mesh: Mesh, resolution: int, padding: int = 2, polygon: Indices | None = None) -> Vector:
     """Texture coordinates (F, 3, 2) in 0..1 for a mesh of triangles (F, 3), no place used twice.
 
     Faces that look along the same axis and meet are a chart, laid flat along its mean normal and
@@ -41,6 +41,8 @@ def unwrap(mesh: Mesh, resolution: int, padding: int = 2) -> Vector:
     most three times as many or as few. Charts stand on whole texels of a map of ``resolution`` a
     side, ``padding`` texels apart, also across the map's border; where so many do not fit, they
     stand closer. Faces without area lie at a point of the chart they touch.
+
+    Triangles of one ``polygon`` (F,) stay together, unless they are bent too far apart for that.
 
     Raises SceneError when the mesh has no area, vertices that are not numbers, or more charts than
     the map has texels.
@@ -55,7 +57,10 @@ def unwrap(mesh: Mesh, resolution: int, padding: int = 2) -> Vector:
     if not len(solid):
         raise SceneError("A surface without area cannot be unwrapped; give it faces.")
     points = _welded(mesh.vertices)[mesh.faces]
-    placed = _charted(mesh.vertices[mesh.faces[solid]], points[solid], resolution, padding)
+    if polygon is None:
+        polygon = np.arange(len(mesh.faces))
+    whole = np.unique(polygon[solid], return_inverse=True)[1]
+    placed = _charted(mesh.vertices[mesh.faces[solid]], points[solid], whole, resolution, padding)
     texture = np.zeros((len(mesh.faces), 3, 2))
     texture[solid] = placed
     thin = np.setdiff1d(np.arange(len(mesh.faces)), solid)
@@ -71,14 +76,16 @@ def unwrap(mesh: Mesh, resolution: int, padding: int = 2) -> Vector:
 # Charts
 
 
-def _charted(corners: Vector, points: Indices, resolution: int, padding: int) -> Vector:
+def _charted(
+    corners: Vector, points: Indices, polygon: Indices, resolution: int, padding: int
+) -> Vector:
     """Texture coordinates of faces that all have area; ``points`` (F, 3) say where they meet."""
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     edges = _shared_edges(points)
     unit = cross / np.sqrt((cross * cross).sum(axis=1))[:, None]
     bent = (unit[edges[:, 0] // 3] * unit[edges[:, 1] // 3]).sum(axis=1) < _CORNER
     edges = edges[~bent]
-    axis = _axes(cross, edges)
+    axis = _axes(cross, edges, polygon)
     chart = _parts(axis, edges)
     depth = corners.mean(axis=1)[np.arange(len(axis)), axis % 3]
     placed = _packed(_laid_flat(corners, cross, axis, chart, edges), chart, resolution, padding)
@@ -86,6 +93,7 @@ def _charted(corners: Vector, points: Indices, resolution: int, padding: int) ->
         upper = _upper(placed, depth, resolution)
         if not upper.any():
             break
+        upper = (np.bincount(polygon, upper) > 0)[polygon]
         chart = _parts(2 * chart + upper, edges)
         placed = _packed(_laid_flat(corners, cross, axis, chart, edges), chart, resolution, padding)
     return placed
@@ -110,8 +118,11 @@ def _shared_edges(faces: Indices) -> Indices:
     return np.stack([order[start], order[start + 1]], axis=1)
 
 
-def _axes(cross: Vector, edges: Indices) -> Indices:
-    """Which of X, Y, Z, −X, −Y, −Z (0 to 5) each face looks along, neighbours alike."""
+def _axes(cross: Vector, edges: Indices, polygon: Indices) -> Indices:
+    """Which of X, Y, Z, −X, −Y, −Z (0 to 5) each face looks along, neighbours alike.
+
+    The triangles of a polygon look along the same, where there is one that is steep for none.
+    """
     count = len(cross)
     joins = sparse.coo_array((np.ones(len(edges)), tuple(edges.T // 3)), shape=(count, count))
     spread = (joins + joins.T + sparse.eye_array(count)).tocsr()
@@ -122,7 +133,12 @@ def _axes(cross: Vector, edges: Indices) -> Indices:
     along = np.concatenate([smooth, -smooth], axis=1) * (1.0 + 1e-6 * np.arange(6)[::-1])
     own = np.concatenate([cross, -cross], axis=1)
     steep = own < _STEEPEST * np.sqrt((cross * cross).sum(axis=1))[:, None]
-    return np.where(steep, -np.inf, along).argmax(axis=1)
+    along = np.where(steep, -np.inf, along)
+    if polygon.max() + 1 == count:
+        return along.argmax(axis=1)
+    together = np.stack([np.bincount(polygon, part) for part in along.T], axis=1)[polygon]
+    possible = np.isfinite(together).any(axis=1)
+    return np.where(possible[:, None], together, along).argmax(axis=1)
 
 
 def _parts(label: Indices, edges: Indices) -> Indices:
