@@ -2,8 +2,8 @@
 
 The job is a JSON object: ``mesh`` a file or a number of faces, ``size`` texels a side, ``spawned``
 the time of day at which it was started, ``runs`` a list of PhotonTracing settings with ``seed`` and
-optionally ``filter`` ("none", "smooth" for the smooth map, or a Gaussian's width in texels) and
-``out``, where the caustic map (lx) goes.
+optionally ``filter`` ("none", or "smooth" for the smooth map) and ``out``, where the caustic map
+(lx) goes.
 Writes one JSON object to standard output; times in s, memory in MB.
 """
 
@@ -22,7 +22,6 @@ from heliform.engines.core.runtime import mitsuba  # noqa: E402
 from heliform.engines.light import PhotonTracing  # noqa: E402
 from light.scenes import traced  # noqa: E402
 from peers import tube  # noqa: E402
-from scipy.ndimage import gaussian_filter  # noqa: E402
 
 STEPS = {"Reading": "lamp", "Starting": "mitsuba", "Building": "build", "Direct": "direct"}
 
@@ -55,9 +54,6 @@ def one_run(scene, settings: dict) -> dict:
     result = traced(scene, PhotonTracing(**settings), seed=seed, progress=clock)
     clock(1.0, "")
     caustic = result.smooth - result.direct if how == "smooth" else result.caustic
-    if not isinstance(how, str):
-        caustic = gaussian_filter(caustic, how, mode="nearest")
-        clock(1.0, "")
     if out:
         np.save(out, caustic)
     photons, error = result.meta["photons"], result.meta["error"]

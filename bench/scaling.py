@@ -1,6 +1,7 @@
 """How time and memory grow with the mesh and with the photons.
 
-    python bench/scaling.py [--faces 5000 50000 264000 1000000] [--landed 100000 1000000 10000000]
+    python bench/scaling.py [--faces 5000 50000 264000 500000 2000000]
+        [--landed 10000 200000 10000000 200000000]
         [--quick] [--out out/bench]
 
 Every line is a process of its own, on the tube of Table 1 at that many faces under the sample lamp,
@@ -18,6 +19,8 @@ SIZE = 256
 WARM_UP = {"until": "landed", "landed": 50_000}
 LANDED = 1_000_000
 TABLE_1_FACES = 263_783
+FACES = [5_000, 50_000, TABLE_1_FACES, 500_000, 2_000_000]
+COUNTS = [10_000, 200_000, 10_000_000, 200_000_000]
 
 
 def one(faces: int, landed: int) -> dict:
@@ -59,10 +62,8 @@ def fresnel(landed: int) -> dict:
 def main() -> None:
     """Run the bench and print its tables."""
     parser = argparse.ArgumentParser(description="Time and memory against faces and photons")
-    parser.add_argument(
-        "--faces", type=int, nargs="+", default=[5_000, 50_000, TABLE_1_FACES, 1_000_000]
-    )
-    parser.add_argument("--landed", type=int, nargs="+", default=[100_000, 1_000_000, 10_000_000])
+    parser.add_argument("--faces", type=int, nargs="+", default=FACES)
+    parser.add_argument("--landed", type=int, nargs="+", default=COUNTS)
     parser.add_argument("--quick", action="store_true", help="a tenth of the photons")
     parser.add_argument("--out", type=Path, default=OUT, help="folder of the JSON")
     asked = parser.parse_args()

@@ -84,6 +84,8 @@ def _chosen(stack: "_Stack", total: Map, square: Map) -> float:
         risk = float(np.sum(weight * (value * (value - 2 * total) + 2 * centre * square)))
         if risk < least:
             best, least = float(gather), risk
+        elif gather > 4 * best:
+            break
     return best
 
 

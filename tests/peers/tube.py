@@ -1,9 +1,9 @@
-"""The scene of the comparison: Table 1's tube above a plane, under the sample lamp."""
+"""The scene of the comparison: Table 1's tube, or another glass, above a plane under a lamp."""
 
 from dataclasses import replace
 
 import numpy as np
-from heliform.engines.core.scene import Body, Lamp, Luminaire, Material, Mesh, Scene
+from heliform.engines.core.scene import Body, Lamp, Luminaire, Material, Mesh, Receiver, Scene
 from heliform.engines.glass import TABLE_1, glass_object
 from light import scenes
 
@@ -19,10 +19,15 @@ def tube(faces: int = TABLE_1["tube"].faces) -> Mesh:
     return glass_object(replace(TABLE_1["tube"], faces=faces)).moved(shift)
 
 
+def receiver(size: int) -> Receiver:
+    """The plane, of ``size`` × ``size`` texels."""
+    return scenes.floor(PLANE, size)
+
+
 def scene(mesh: Mesh, size: int, ior: float = IOR) -> Scene:
     """The tube between the lamp and a plane of ``size`` × ``size`` texels."""
     return scenes.scene(
         Body("Tube", mesh, Material(kind="dielectric", ior=ior)),
         lamp=Luminaire("Lamp", Lamp(), scenes.at(z=LAMP)),
-        receiver=scenes.floor(PLANE, size),
+        receiver=receiver(size),
     )
