@@ -14,7 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import dctn, idctn
+from scipy.fft import dct, dctn, idctn
+from scipy.special import ive
 
 from .interval import FLOOR, Z
 
@@ -32,7 +33,12 @@ WIDEST = 1 / 5
 NEIGHBOURS = 2.0
 """Standard deviation in texels of the neighbourhood that a bias is taken over."""
 SPREAD = 11 / 6
-"""∫ kernel² over that of its narrower Gaussian: 4 − 8/3 + 1/2."""
+"""∫ kernel² over that of its narrower Gaussian, 4 − 8/3 + 1/2. The square of the kernel itself has
+a ring of noughts, where a bright line would go unnoticed."""
+CUT = 5.0
+"""Standard deviations that a Gaussian reaches."""
+SAMPLED = 4.0
+"""Standard deviation in texels from which a Gaussian is sampled."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +71,7 @@ def smoothed(total: Map, square: Map, gather: float | None = None) -> Smooth:
     before, _, _ = stack.gathered(gather / 4)
     half_width = Z * np.maximum(value, before) / np.sqrt(np.maximum(count, 1.0))
     wave = _Waves(total.shape)
-    moved = wave.blurred(wave.of(np.square(value - before)), NEIGHBOURS)
+    moved = wave.back(wave.of(np.square(value - before)), wave.gaussian(NEIGHBOURS))
     return Smooth(value, half_width, np.sqrt(np.maximum(moved, 0.0)), gather)
 
 
@@ -104,13 +110,12 @@ class _Stack:
         self.count = np.zeros((steps + 1, total.size), np.float32)
         self.centre = np.ones(steps + 1)
         self._lay(0, total, square, total)
-        narrow = wave.blurred(light, NARROWEST)
+        narrow = wave.back(light, wave.gaussian(NARROWEST))
         for i, width in enumerate(widths, 1):
-            wide = wave.blurred(light, width * STEP)
-            # The square of a Gaussian is a narrower one: width ÷ √2, over 4π width².
-            variance = wave.blurred(spread, width / 2**0.5) * (SPREAD / (4 * np.pi * width**2))
+            wide = wave.back(light, wave.gaussian(width * STEP))
+            variance = SPREAD * wave.back(spread, wave.squared(width))
             self._lay(i, np.maximum(2 * narrow - wide, 0.0), variance, narrow)
-            self.centre[i] = 2 * wave.centre(width) - wave.centre(width * STEP)
+            self.centre[i] = 2 * _centre(width) - _centre(width * STEP)
             narrow = wide
         np.maximum.accumulate(self.count, axis=0, out=self.count)
 
@@ -143,19 +148,51 @@ class _Stack:
 
 
 class _Waves:
-    """Gaussian blurs of one shape of map, by cosine transform: its borders reflect."""
+    """Blurs of one shape of map, by cosine transform: its borders reflect."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
-        self.steps = [np.pi * np.arange(n) / n for n in shape]
+        self.shape = shape
 
     def of(self, values: Map) -> Map:
         return np.asarray(dctn(values, norm="ortho", workers=2))
 
-    def blurred(self, waves: Map, width: float) -> Map:
-        rows, columns = (np.exp(-np.square(s * width) / 2) for s in self.steps)
-        return np.asarray(idctn(waves * rows[:, None] * columns, norm="ortho", workers=2))
+    def back(self, waves: Map, response: Map) -> Map:
+        return np.asarray(idctn(waves * response, norm="ortho", workers=2))
 
-    def centre(self, width: float) -> float:
-        """A Gaussian's weight at its own texel, far from the border."""
-        wave = np.linspace(-np.pi, np.pi, 1024, endpoint=False)
-        return float(np.exp(-np.square(wave * width) / 2).mean() ** 2)
+    def gaussian(self, width: float) -> Map:
+        """The response of a Gaussian of the grid."""
+        rows, columns = (_response(_line(width), n) for n in self.shape)
+        return rows[:, None] * columns
+
+    def squared(self, width: float) -> Map:
+        """The response of a Gaussian's square."""
+        rows, columns = (_response(_line(width) ** 2, n) for n in self.shape)
+        return rows[:, None] * columns
+
+
+def _line(width: float) -> NDArray[np.float64]:
+    """Half of a Gaussian on the grid, from its centre out.
+
+    Of narrow ones e^−t I_n(t), t = width², which is nowhere negative, as a sampled one that is cut
+    off at the grid's finest wave would be [Lindeberg 1990].
+    """
+    reach = np.arange(int(np.ceil(CUT * width)) + 3)
+    if width < SAMPLED:
+        return ive(reach, width**2)
+    line = np.exp(-np.square(reach / width) / 2)
+    return line / (2 * line.sum() - line[0])
+
+
+def _response(line: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """What a symmetric kernel does to the ``count`` waves of a cosine transform."""
+    padded = np.zeros(max(count + 1, len(line)))
+    padded[: len(line)] = line
+    if len(line) <= count + 1:
+        return np.asarray(dct(padded, type=1))[:count]
+    wave = np.pi * np.arange(count) / count
+    return line[0] + 2 * np.cos(wave[:, None] * np.arange(1, len(line))) @ line[1:]
+
+
+def _centre(width: float) -> float:
+    """A Gaussian's weight at its own texel, far from the border."""
+    return float(_line(width)[0] ** 2)

@@ -26,7 +26,8 @@ from .tally import Tally
 from .targets import Side
 
 BATCH = 1 << 20
-SMALLEST = 1 << 16
+SMALLEST, FEWEST = 1 << 16, 1 << 10
+"""Photons of the smallest batch: less costs as much; and where their count is what is asked."""
 PILOT = 1 << 17
 HOPELESS = 16
 """Batches after which a scene in which nothing lands is given up."""
@@ -225,8 +226,10 @@ def _batches(
     began = time.perf_counter()
     progress(0.0, "Compiling")
     error = _error(tally, grid)
-    first = tally.emitted == 0
-    count = PILOT if first else _next(tally, _times_more(tally, tracing, error, 0.0))
+    if tally.emitted == 0:
+        count = min(PILOT, tracing.landed) if tracing.until == "landed" else PILOT
+    else:
+        count = _next(tally, tracing, _times_more(tally, tracing, error, 0.0))
     while count:
         sent = np.random.default_rng((0, seed, tally.batches)).multinomial(count, share)
         for index in np.flatnonzero(sent):
@@ -243,7 +246,7 @@ def _batches(
             notes.append(f"Stopped after {elapsed:.0f} s, before what was asked was reached.")
             break
         progress(1.0 / more, _said(tally, error))
-        count = _next(tally, more)
+        count = _next(tally, tracing, more)
     if tally.landed == 0:
         notes.append(
             f"None of {tally.emitted:,} photons landed on a receiver: no caustic light is known, "
@@ -257,11 +260,12 @@ def _error(tally: Tally, grid: Grid) -> float:
     return interval.error(grid.gathered(tally.total), grid.gathered(tally.square), grid.area)
 
 
-def _next(tally: Tally, more: float) -> int:
+def _next(tally: Tally, tracing: PhotonTracing, more: float) -> int:
     """How many photons to send next, when ``more`` times those so far are needed in all."""
     if more <= 1.0:
         return 0
-    return int(np.clip(1.02 * tally.emitted * (more - 1.0), SMALLEST, BATCH))
+    least = FEWEST if tracing.until == "landed" else SMALLEST
+    return int(np.clip(1.02 * tally.emitted * (more - 1.0), least, BATCH))
 
 
 def _times_more(tally: Tally, tracing: PhotonTracing, error: float, elapsed: float) -> float:
