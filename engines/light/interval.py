@@ -19,6 +19,15 @@ FLOOR = 0.05
 Map = NDArray[np.float64]
 
 
+_COUNTS = np.linspace(0.0, FEW, 2501)
+_TAIL = (1 - CONFIDENCE) / 2
+_GARWOOD = (
+    np.append(0.0, gammaincinv(_COUNTS[1:], _TAIL)),
+    gammaincinv(_COUNTS + 1, 1 - _TAIL),
+)
+"""Garwood's bounds for effective counts, which need not be whole; between two, linear."""
+
+
 def interval(total: Map, square: Map, typical: float) -> tuple[Map, Map]:
     """Lower and upper 95 % confidence bounds of sums ``total`` = Σw with ``square`` = Σw².
 
@@ -31,9 +40,8 @@ def interval(total: Map, square: Map, typical: float) -> tuple[Map, Map]:
     middle, reach = count + Z * Z / 2, Z * np.sqrt(count + Z * Z / 4)
     lower, upper = middle - reach, middle + reach
     few = count < FEW
-    tail = (1 - CONFIDENCE) / 2
-    lower[few] = np.where(count[few] > 0, gammaincinv(np.maximum(count[few], 1e-9), tail), 0.0)
-    upper[few] = gammaincinv(count[few] + 1, 1 - tail)
+    lower[few] = np.interp(count[few], _COUNTS, _GARWOOD[0])
+    upper[few] = np.interp(count[few], _COUNTS, _GARWOOD[1])
     return lower * weight, upper * weight
 
 
