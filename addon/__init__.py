@@ -7,7 +7,7 @@ from typing import Final
 MODULES: Final = (
     "addon.model",
     "addon.preferences",
-    "addon.bridge.stage",
+    "addon.bridge.showing",
     "addon.overlays",
     "addon.jobs",
     "addon.command",

@@ -65,6 +65,12 @@ def _parser() -> argparse.ArgumentParser:
             metavar="SECTION.KEY=VALUE",
             help="override a value of the study; may be repeated",
         )
+        command.add_argument(
+            "--refine",
+            type=Path,
+            metavar="FOLDER",
+            help="go on from a result of the study that kept its sums (parameters.keep_sums)",
+        )
         command.add_argument("--no-blend", action="store_true", help="make no scene.blend")
         command.set_defaults(act=_run)
     commands.add_parser("doctor", help="say what is installed, and what is missing").set_defaults(
@@ -86,7 +92,10 @@ def _seed(text: str) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     study, out = find_study(options.study), options.out.absolute()
-    given = {"quick": options.quick, "seed": options.seed, "settings": tuple(options.settings)}
+    settings = list(options.settings)
+    if options.refine:
+        settings.append(f"refine={json.dumps(str(options.refine.absolute()), ensure_ascii=False)}")
+    given = {"quick": options.quick, "seed": options.seed, "settings": tuple(settings)}
     bpy = _blender(options.no_blend)  # before the engine's libraries, some clash the other way
     with _stoppable() as stopped:
         line = _Line(stopped)

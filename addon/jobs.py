@@ -11,6 +11,7 @@ import sys
 import tempfile
 import textwrap
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,8 +25,9 @@ from ..engines.core.errors import Cancelled, HeliformError, SceneError, WorkerDi
 from ..engines.core.files import safe_name
 from ..engines.core.scene import Scene
 from ..engines.core.study import save_study
-from .bridge import stage
+from .bridge import results, stage
 from .bridge.read import read_scene
+from .bridge.receivers import unwrap_receivers
 from .preferences import results_folder
 from .properties import read, scale_of
 from .workers import new_worker
@@ -61,8 +63,9 @@ class _Task:
     folder: Path
     out: Path
     scene: int
-    receiver: int
-    receiver_name: str
+    receivers: dict[str, int]
+    settings: tuple[str, ...]
+    notes: list[str]
     job: Job | None = None
     forgotten: bool = False
 
@@ -76,23 +79,31 @@ _shown: tuple[str, int, int] | None = None
 # What operators call
 
 
-def begin(context: bpy.types.Context, analysis: Analysis, label: str) -> None:
+def begin(
+    context: bpy.types.Context, analysis: Analysis, label: str, settings: Sequence[str] = ()
+) -> None:
     """Start a job on the context's scene and follow it while the window stays alive.
 
-    Raises HeliformError where the scene cannot be read or the worker not be started.
+    ``settings`` override its study, see `load_study`. Raises HeliformError where the scene cannot
+    be read or the worker not be started.
     """
-    _submit(_prepare(context, analysis, label))
+    task = _prepare(context, analysis, label, settings)
+    if task.notes:  # an object got a map: a step of its own, for the result is another
+        bpy.ops.ed.undo_push(message="Unwrap")
+    _submit(task)
     if not bpy.app.timers.is_registered(_follow):
         bpy.app.timers.register(_follow, first_interval=PERIOD, persistent=True)
     _redraw()
 
 
-def run(context: bpy.types.Context, analysis: Analysis, label: str) -> None:
-    """Run a job to its end and stage the result.
+def run(
+    context: bpy.types.Context, analysis: Analysis, label: str, settings: Sequence[str] = ()
+) -> None:
+    """Run a job to its end and stage the result; ``settings`` as in `begin`.
 
     Raises HeliformError as the engine does, Cancelled where it was cancelled.
     """
-    task = _prepare(context, analysis, label)
+    task = _prepare(context, analysis, label, settings)
     job = _submit(task)
     try:
         ended = worker().wait(job, _progressed)
@@ -128,11 +139,15 @@ def worker() -> Worker:
 # From the scene to a result folder
 
 
-def _prepare(context: bpy.types.Context, analysis: Analysis, label: str) -> _Task:
+def _prepare(
+    context: bpy.types.Context, analysis: Analysis, label: str, settings: Sequence[str] = ()
+) -> _Task:
     """Write the scene as a study, and say where its result belongs."""
     scene = context.scene
+    notes = unwrap_receivers(context)
     given = read_scene(scene, context.evaluated_depsgraph_get())
-    receiver = _receiver(context, given)
+    if not given.receivers:
+        raise SceneError("There is no receiver to trace onto; add one with Add Receiver.")
     folder = Path(tempfile.mkdtemp(prefix="job-", dir=bpy.app.tempdir))
     try:
         export(scene, given, analysis, folder)
@@ -143,10 +158,11 @@ def _prepare(context: bpy.types.Context, analysis: Analysis, label: str) -> _Tas
         analysis=analysis,
         label=label,
         folder=folder,
-        out=_new_folder(receiver.name),
+        out=_new_folder(given.receivers[0].name),
         scene=scene.session_uid,
-        receiver=receiver.session_uid,
-        receiver_name=receiver.name,
+        receivers={r.name: scene.objects[r.name].session_uid for r in given.receivers},
+        settings=tuple(settings),
+        notes=notes,
     )
 
 
@@ -165,12 +181,6 @@ def parameters(scene: bpy.types.Scene, analysis: Analysis) -> Any:
     return read(getattr(scene.heliform, name), analysis.record, scale_of(scene))
 
 
-def _receiver(context: bpy.types.Context, given: Scene) -> bpy.types.Object:
-    if not given.receivers:
-        raise SceneError("There is no receiver to trace onto; add one with Add Receiver.")
-    return context.scene.objects[given.receivers[0].name]
-
-
 def _new_folder(name: str) -> Path:
     stamp = f"{safe_name(name)} {time.strftime('%Y-%m-%d %H.%M.%S')}"
     names = itertools.chain([stamp], (f"{stamp} {n}" for n in itertools.count(2)))
@@ -179,7 +189,7 @@ def _new_folder(name: str) -> Path:
 
 def _submit(task: _Task) -> Job:
     global state
-    task.job = worker().submit(task.folder / "study.toml", task.out)
+    task.job = worker().submit(task.folder / "study.toml", task.out, settings=task.settings)
     _tasks[task.job.id] = task
     state = State(running=True, label=task.label, text="Starting", started=time.monotonic())
     return task.job
@@ -241,18 +251,42 @@ def _conclude(task: _Task, ended: Ended) -> bool:
     """
     out = result_of(ended)
     result = task.analysis.shows.load(out)
-    result.meta["folder"] = str(out)
     scene = _by_uid(bpy.data.scenes, task.scene)
-    receiver = _by_uid(bpy.data.objects, task.receiver)
-    if scene is None or receiver is None:
-        raise SceneError(
-            f"“{task.receiver_name}” was deleted while the light was traced; the result lies in "
-            f"“{out}”."
-        )
+    found = {name: _by_uid(bpy.data.objects, uid) for name, uid in task.receivers.items()}
+    receivers = {name: obj for name, obj in found.items() if obj}
+    if scene is None or not receivers:
+        raise SceneError(f"{_gone(found)}; the result lies in “{out}”.")
+    notes = [*task.notes, *([f"{_gone(found)}."] if len(receivers) < len(found) else [])]
+    for one in result.maps:
+        one.meta["folder"] = str(out)
+        one.meta["notes"] += notes
     first = scene.heliform.shown is None
     display = read(scene.heliform.display, Display)
-    scene.heliform.shown = stage.stage_irradiance(receiver, result, display)
+    pictures = stage.stage_irradiance(scene, receivers, result, display)
+    chosen = _foremost(scene, pictures)
+    scene.heliform.shown = chosen
+    stage.bring_forward(results.owner_of(chosen), results.side_of(chosen))
     return first
+
+
+def _gone(found: dict[str, bpy.types.Object | None]) -> str:
+    names = [f"“{name}”" for name, obj in found.items() if obj is None] or ["The scene"]
+    were = "was" if len(names) == 1 else "were"
+    return f"{', '.join(names)} {were} deleted while the light was traced"
+
+
+def _foremost(scene: bpy.types.Scene, pictures: list[bpy.types.Image]) -> bpy.types.Image:
+    """The active receiver's, of its brighter side, else the one shown already or the first."""
+    active = bpy.context.object if bpy.context.scene == scene else None
+    shown = scene.heliform.shown
+    mine = [picture for picture in pictures if active and results.owner_of(picture) == active]
+    if shown in (mine or pictures):
+        return shown
+    return max(mine, key=_mean) if mine else pictures[0]
+
+
+def _mean(picture: bpy.types.Image) -> float:
+    return results.figures_of(picture)["mean_illuminance"]["value"]
 
 
 def _told(task: _Task, error: HeliformError) -> str:

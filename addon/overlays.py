@@ -14,7 +14,7 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from ..engines.core.colour import Axis
-from .bridge import stage
+from .bridge import results
 from .bridge.sections import section_of
 
 Colour = tuple[float, float, float, float]
@@ -60,7 +60,7 @@ def draw(context: bpy.types.Context) -> None:
     picture = settings.shown
     if (
         not settings.legend
-        or not stage.is_result(picture)
+        or not results.is_result(picture)
         or (overlay and not overlay.show_overlays)
     ):
         return
@@ -69,7 +69,8 @@ def draw(context: bpy.types.Context) -> None:
     legend = _draw_legend(picture, room, unit)
     section = section_of(picture)
     if section:
-        _draw_section(section, room, legend, stage.legend_of(picture).log, unit)
+        scale = results.legend_of(picture)
+        _draw_section(section, room, legend, scale is None or scale.log, unit)
 
 
 def free_of(area: bpy.types.Area | None, region: bpy.types.Region, margin: float) -> Box:
@@ -95,9 +96,13 @@ def free_of(area: bpy.types.Area | None, region: bpy.types.Region, margin: float
 
 def _draw_legend(picture: bpy.types.Image, room: Box, unit: float) -> Box:
     """A card at the right, below the view's own gizmos; returns where it lies."""
-    scale, meta = stage.legend_of(picture), stage.meta_of(picture)
+    scale, meta = results.legend_of(picture), results.meta_of(picture)
     line, pad, bar_width = 17 * unit, 10 * unit, 16 * unit
-    heading = [scale.quantity, f"{meta['receiver']}, {scale.unit}"]
+    name = results.name_of(picture)
+    if scale:
+        heading = [scale.quantity, f"{name}, {scale.unit}"]
+    else:
+        heading = ["Colour", f"{name}, white {results.white_of(picture):.3g} {meta['unit']}"]
     photons = meta["photons"]["emitted"]
     footing = [f"{_count(photons)} photons"] * bool(photons)
     if meta["error"]:
@@ -105,11 +110,13 @@ def _draw_legend(picture: bpy.types.Image, room: Box, unit: float) -> Box:
     bar_height = min(240 * unit, room.height - (len(heading) + len(footing) + 2) * line - 2 * pad)
     if bar_height < 40 * unit:
         return Box(room.right, room.bottom, room.right, room.bottom)
-    ticks = scale.ticks(8 if bar_height > 150 * unit else 4)
+    if scale is None:
+        bar_height = 0.0
+    ticks = scale.ticks(8 if bar_height > 150 * unit else 4) if scale else []
     texts = [*heading, *footing]
     width = max(
         *(_width(text, unit) for text in texts),
-        bar_width + 12 * unit + max(_width(text, unit) for _, text in ticks),
+        bar_width + 12 * unit + max((_width(text, unit) for _, text in ticks), default=0.0),
     )
     height = bar_height + (len(texts) + 1.2) * line + pad
     width = min(width, 220 * unit)
@@ -121,7 +128,8 @@ def _draw_legend(picture: bpy.types.Image, room: Box, unit: float) -> Box:
         _text(text, card.left + pad, y + 4 * unit, unit, _INK if index == 0 else _QUIET, width)
     top = y - line / 2
     bar = Box(card.left + pad, top - bar_height, card.left + pad + bar_width, top)
-    _ramp(bar, scale.table())
+    if scale:
+        _ramp(bar, scale.table())
     for position, text in ticks:
         y = bar.bottom + position * bar.height
         _lines([(bar.right, y), (bar.right + 4 * unit, y)], _QUIET, unit)

@@ -26,7 +26,7 @@ from ..engines.core.parameters import Field, bounds_text, canonical, fields_of
 
 Update = Callable[[Any, bpy.types.Context], None]
 
-_ACRONYMS = {"ies": "IES", "ior": "IOR"}
+_ACRONYMS = {"ies": "IES", "ior": "IOR", "led": "LED"}
 _quiet = 0
 
 

@@ -8,6 +8,7 @@ from bpy.types import Context, Event, Object, Operator
 
 from ..addon import objects
 from ..addon.bridge.read import read_receiver
+from ..addon.bridge.receivers import unwrap_those
 from ..addon.model import ROLES
 from ..addon.properties import (
     draw,
@@ -19,8 +20,9 @@ from ..addon.properties import (
 )
 from ..engines.core.errors import SceneError
 from ..engines.core.parameters import fields_of
-from ..engines.core.scene import Lamp, Material, Plane
+from ..engines.core.scene import Lamp, Material, Plane, Surface
 from ..engines.glass import TABLE_1
+from ..engines.light.atlas import require_chart
 from . import ObjectMode, Reporting
 
 _FLUX = 500.0
@@ -96,19 +98,25 @@ class HELIFORM_OT_mark_as(Reporting, Operator):
         """Only with a mesh selected that is no lamp."""
         return bool(_meshes(context))
 
-    def act(self, context: Context) -> None:
+    def act(self, context: Context) -> str:
         """Mark each; a body keeps its material unless a kind is set.
 
-        Raises SceneError where one cannot be a receiver; none is marked then.
+        A receiver that has no UV map gets one. Raises SceneError where one cannot be a receiver;
+        none is marked then.
         """
         chosen = _meshes(context)
+        notes: list[str] = []
         if self.role == "RECEIVER":
+            notes = unwrap_those(context, chosen)
             depsgraph = context.evaluated_depsgraph_get()
             for obj in chosen:
-                read_receiver(obj, depsgraph)
+                found = read_receiver(obj, depsgraph, scale_of(context.scene))
+                if isinstance(found, Surface):
+                    require_chart(found)
         kind = self.kind if self.properties.is_property_set("kind") else ""
         for obj in chosen:
             objects.mark(obj, self.role, kind)
+        return " ".join(notes)
 
     def draw(self, context: Context) -> None:
         """The material only for bodies."""

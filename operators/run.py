@@ -8,8 +8,9 @@ from bpy.props import StringProperty
 from bpy.types import Context, Event, Operator
 
 from ..addon import jobs
-from ..addon.bridge import stage, studies
+from ..addon.bridge import results, studies
 from ..addon.bridge.read import read_scene
+from ..addon.bridge.receivers import unwrap_receivers
 from ..engines import light
 from ..engines.core import runtime
 from ..engines.core.analysis import Analysis
@@ -35,10 +36,14 @@ class RunAnalysis:
             cls.poll_message_set(why)  # type: ignore[attr-defined]
         return not why
 
+    def settings(self, context: Context) -> tuple[str, ...]:
+        """What overrides the study that the scene is; see `load_study`."""
+        return ()
+
     def invoke(self, context: Context, event: Event) -> set[str]:
         """Start the job; the panel shows how far it is."""
         try:
-            jobs.begin(context, self.analysis, self.bl_label)
+            jobs.begin(context, self.analysis, self.bl_label, self.settings(context))
         except HeliformError as error:
             jobs.state.message = str(error)
             self.report({"ERROR"}, str(error))
@@ -47,7 +52,7 @@ class RunAnalysis:
     def execute(self, context: Context) -> set[str]:
         """Run the job to its end."""
         try:
-            jobs.run(context, self.analysis, self.bl_label)
+            jobs.run(context, self.analysis, self.bl_label, self.settings(context))
         except Cancelled:
             self.report({"WARNING"}, f"{self.bl_label} was cancelled.")
             return {"CANCELLED"}
@@ -104,9 +109,10 @@ class HELIFORM_OT_export_study(Reporting, Operator):
         folder = Path(bpy.path.abspath(self.directory)) / f"{name} study"
         if folder.exists():
             raise FileError(f"“{folder}” is there already; choose another place, or delete it.")
+        notes = unwrap_receivers(context)
         scene = read_scene(context.scene, context.evaluated_depsgraph_get())
         path = jobs.export(context.scene, scene, light.TRACE_PHOTONS, folder)
-        return f"The study is “{path}”."
+        return " ".join([f"The study is “{path}”.", *notes])
 
 
 class HELIFORM_OT_load_study(Reporting, Operator):
@@ -151,11 +157,11 @@ class HELIFORM_OT_open_report(Reporting, Operator):
     @classmethod
     def poll(cls, context: Context) -> bool:
         """Only with a result."""
-        return stage.is_result(context.scene.heliform.shown)
+        return results.is_result(context.scene.heliform.shown)
 
     def act(self, context: Context) -> None:
         """Open it. Raises FileError where the folder is gone."""
-        report = Path(stage.meta_of(context.scene.heliform.shown)["folder"], "report.html")
+        report = Path(results.meta_of(context.scene.heliform.shown)["folder"], "report.html")
         if not report.is_file():
             raise FileError(f"There is no report “{report}” any more; trace photons again.")
         bpy.ops.wm.url_open(url=report.as_uri())

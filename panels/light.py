@@ -7,7 +7,7 @@ import bpy
 from bpy.types import Context, Panel, UILayout
 
 from ..addon import jobs
-from ..addon.bridge import stage
+from ..addon.bridge import results, showing
 from ..addon.properties import draw
 from ..engines.core import runtime
 from ..engines.core.colour import Display
@@ -15,7 +15,8 @@ from ..engines.light import PhotonTracing
 from . import Room
 from .scene import draw_sentence
 
-_STOPS = {"error", "landed", "seconds"}
+_HANDLED = {"until", "error", "landed", "seconds", "keep_sums"}
+"""Fields that the Light panel itself shows, and one that is always on here."""
 _STOP_OF = {"error": "error", "landed": "landed", "time": "seconds"}
 _FLUX = (
     ("emitted", "Lamps"),
@@ -27,7 +28,7 @@ _FLUX = (
 
 
 class HELIFORM_PT_light(Room, Panel):
-    """Photon tracing from the lamps through the glass onto the receiver"""
+    """Photon tracing from the lamps through the glass onto the receivers"""
 
     bl_idname = "HELIFORM_PT_light"
     bl_label = "Light"
@@ -64,7 +65,7 @@ class HELIFORM_PT_light_more(Room, Panel):
         layout, settings = self.layout, context.scene.heliform
         layout.use_property_split = True
         layout.use_property_decorate = False
-        draw(layout, settings.photon_tracing, PhotonTracing, without=_STOPS | {"until"})
+        draw(layout, settings.photon_tracing, PhotonTracing, without=_HANDLED)
         layout.prop(settings, "seed")
 
 
@@ -76,7 +77,7 @@ class _ResultPanel(Room):
     @classmethod
     def poll(cls, context: Context) -> bool:
         """Only with a result."""
-        return stage.is_result(context.scene.heliform.shown)
+        return results.is_result(context.scene.heliform.shown)
 
 
 class HELIFORM_PT_light_result(_ResultPanel, Panel):
@@ -87,9 +88,12 @@ class HELIFORM_PT_light_result(_ResultPanel, Panel):
     def draw(self, context: Context) -> None:
         """The numbers, where the light went, and the way to the report."""
         layout, picture = self.layout, context.scene.heliform.shown
-        meta, figures = stage.meta_of(picture), stage.figures_of(picture)
+        meta, figures = results.meta_of(picture), results.figures_of(picture)
+        pictures = results.results_of(context.scene)
+        if len(pictures) > 1:
+            _list(layout, pictures, picture)
         box = layout.box().column(align=True)
-        _row(box, "Receiver", meta["receiver"])
+        _row(box, "Receiver", results.name_of(picture))
         _row(box, "Mean", _value(figures["mean_illuminance"]))
         _row(box, "Highest", _value(figures["max_illuminance"]))
         if meta["error"]:
@@ -105,7 +109,10 @@ class HELIFORM_PT_light_result(_ResultPanel, Panel):
         for note in meta["notes"]:
             _note(layout, note)
         row = layout.row(align=True)
+        row.operator("heliform.refine_photons", icon="ADD")
         row.operator("heliform.open_report", icon="URL")
+        if not results.is_plane(picture):
+            layout.operator("heliform.values_to_vertices", icon="VERTEXSEL")
 
 
 class HELIFORM_PT_light_display(_ResultPanel, Panel):
@@ -121,7 +128,7 @@ class HELIFORM_PT_light_display(_ResultPanel, Panel):
         layout.prop(settings.shown, "heliform_map")
         fixed = {"low", "high"} if settings.display.automatic else set()
         draw(layout, settings.display, Display, without=fixed)
-        draw_sentence(layout, stage.problem_of(settings.shown))
+        draw_sentence(layout, showing.problem_of(settings.shown))
         layout.prop(settings, "legend")
         if context.scene.view_settings.view_transform not in ("Standard", "Raw"):
             _note(layout, "Renders show the legend's colours with the view transform Standard.")
@@ -133,13 +140,18 @@ class HELIFORM_PT_light_section(_ResultPanel, Panel):
 
     bl_label = "Section"
 
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with the result of a plane."""
+        return super().poll(context) and results.is_plane(context.scene.heliform.shown)
+
     def draw(self, context: Context) -> None:
         """The line and the plot."""
         layout, picture = self.layout, context.scene.heliform.shown
         row = layout.row(align=True)
         row.operator("heliform.section", icon="FCURVE")
         row.operator("heliform.add_section_line", text="Add Line", icon="IPO_LINEAR")
-        if stage.SECTION in picture:
+        if results.SECTION in picture:
             row.operator("heliform.clear_section", text="", icon="X")
 
 
@@ -168,6 +180,18 @@ def _progress(layout: UILayout) -> None:
     column = layout.column(align=True)
     for line in textwrap.wrap("Stopping" if state.cancelling else state.text, 40):
         column.label(text=line)
+
+
+def _list(layout: UILayout, pictures: list[bpy.types.Image], shown: bpy.types.Image) -> None:
+    """A button and the mean a receiver; pressed, it is the one that is told of below."""
+    column = layout.column(align=True)
+    for picture in pictures:
+        split = column.split(factor=0.65, align=True)
+        chosen = picture == shown
+        name = results.name_of(picture)
+        split.operator("heliform.show_result", text=name, depress=chosen).name = picture.name
+        figure = results.figures_of(picture)["mean_illuminance"]
+        split.label(text=f"{_number(figure['value'])} {figure['unit']}")
 
 
 def _row(column: UILayout, name: str, *values: str) -> None:

@@ -1,13 +1,16 @@
 """Meshes between Blender and the engines, through arrays."""
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from ...engines.core.errors import SceneError
-from ...engines.core.scene import Mesh
+from ...engines.core.meshes import Textured
+from ...engines.core.scene import Mesh, Vector
 
 _NORMALS = "custom_normal"
 _CREASE = math.radians(60)
@@ -63,33 +66,59 @@ def from_blender(evaluated: bpy.types.Object) -> Mesh:
     Quadrilaterals stay whole where they split along their first diagonal; other polygons come as
     Blender's triangles. Raises SceneError, naming the object, where there are no faces.
     """
+    with mesh_of(evaluated) as block:
+        if _is_modified(evaluated) and _has_free_normals(block):
+            # Modifiers leave free normals as they were; smooth shading with creases follows them.
+            _forget_normals(block)
+            block.set_sharp_from_angle(angle=_CREASE)
+        picked = _picked(block)
+        normals = None
+        if block.normals_domain != "FACE":
+            normals = np.empty((len(block.loops), 3), dtype=np.float32)
+            block.corner_normals.foreach_get("vector", normals.ravel())
+            normals = normals[picked]
+        return Mesh(places_of(block), corners_of(block)[picked], normals)
+
+
+def textured_from_blender(evaluated: bpy.types.Object) -> Textured:
+    """The flat faces of an evaluated object and its active UV map, otherwise as `from_blender`."""
+    with mesh_of(evaluated) as block:
+        picked = _picked(block)
+        mesh = Mesh(places_of(block), corners_of(block)[picked])
+        layer = block.uv_layers.active
+        if layer is None:
+            return Textured(mesh)
+        texture = np.empty((len(block.loops), 2), dtype=np.float32)
+        layer.uv.foreach_get("vector", texture.ravel())
+        return Textured(mesh, texture.astype(np.float64)[picked])
+
+
+@contextmanager
+def mesh_of(evaluated: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
+    """The mesh of an evaluated object for a while. Raises SceneError where it has no faces."""
     block = evaluated.to_mesh()
     try:
         if block is None or not block.polygons:
             raise SceneError(
                 f"“{evaluated.name}” has no faces; give it a mesh, or set its role to None."
             )
-        if _is_modified(evaluated) and _has_free_normals(block):
-            # Modifiers leave free normals as they were; smooth shading with creases follows them.
-            _forget_normals(block)
-            block.set_sharp_from_angle(angle=_CREASE)
-        return _read(block)
+        yield block
     finally:
         evaluated.to_mesh_clear()
 
 
-def _read(block: bpy.types.Mesh) -> Mesh:
+def places_of(block: bpy.types.Mesh) -> Vector:
+    """Where the vertices are (V, 3), in Blender units."""
     places = np.empty((len(block.vertices), 3), dtype=np.float32)
     block.attributes["position"].data.foreach_get("vector", places.ravel())
+    return places.astype(np.float64)
+
+
+def corners_of(block: bpy.types.Mesh) -> NDArray[np.int32]:
+    """The vertices (C,) of the faces' corners."""
     corners = np.empty(len(block.loops), dtype=np.int32)
     block.attributes[".corner_vert"].data.foreach_get("value", corners)
-    picked = _picked(block)
-    normals = None
-    if block.normals_domain != "FACE":
-        normals = np.empty((len(block.loops), 3), dtype=np.float32)
-        block.corner_normals.foreach_get("vector", normals.ravel())
-        normals = normals[picked]
-    return Mesh(places.astype(np.float64), corners[picked], normals)
+    return corners
 
 
 def _picked(block: bpy.types.Mesh) -> NDArray[np.int32]:
@@ -107,9 +136,7 @@ def _picked(block: bpy.types.Mesh) -> NDArray[np.int32]:
 def _has_faces(block: bpy.types.Mesh, faces: NDArray[np.int32]) -> bool:
     if len(block.loops) != faces.size or len(block.polygons) != len(faces):
         return False
-    present = np.empty(faces.size, dtype=np.int32)
-    block.attributes[".corner_vert"].data.foreach_get("value", present)
-    return np.array_equal(present, faces.ravel())
+    return np.array_equal(corners_of(block), faces.ravel())
 
 
 def _is_modified(evaluated: bpy.types.Object) -> bool:

@@ -18,13 +18,14 @@ from ...engines.core.scene import (
     Scene,
     Surface,
 )
-from ...engines.light.shape import placed_lamp, rectangle_receiver
+from ...engines.light.shape import placed_lamp, receiver_of
 from ..properties import read, scale_of
 from .lights import is_sun, read_light, widened
 from .materials import read_material
-from .meshes import from_blender
+from .meshes import from_blender, textured_from_blender
 
-_SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+SQUARE = np.array([[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]])
+"""The texture coordinates of one quadrilateral that has the whole picture."""
 
 
 def read_scene(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Scene:
@@ -79,43 +80,21 @@ def lamp_record(obj: bpy.types.Object, scale: float = 1.0) -> Lamp:
 
 def read_receiver(
     obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scale: float = 1.0
-) -> Receiver:
-    """The rectangle that a receiver's mesh is, in the world, in metres."""
-    evaluated = obj.evaluated_get(depsgraph)
-    block = evaluated.to_mesh()
-    try:
-        if block is None or not block.polygons:
-            raise SceneError(f"Receiver “{obj.name}” has no faces; use a plane, or Add Receiver.")
-        places = np.empty((len(block.vertices), 3), dtype=np.float32)
-        block.vertices.foreach_get("co", places.ravel())
-        index = np.empty(len(block.loops), dtype=np.int32)
-        block.loops.foreach_get("vertex_index", index)
-        corners = places[index].astype(np.float64)
-        texture = _texture(obj.name, block)
-        normals = np.empty((len(block.polygons), 3), dtype=np.float32)
-        block.polygons.foreach_get("normal", normals.ravel())
-    finally:
-        evaluated.to_mesh_clear()
-    matrix = _matrix(obj, depsgraph, scale, scale)
-    resolution = read(obj.heliform.plane, Plane).resolution
-    linear = matrix[:3, :3]
-    normal = normals.mean(axis=0) @ np.linalg.inv(linear)
-    return rectangle_receiver(
-        obj.name, corners @ linear.T + matrix[:3, 3], texture, normal, resolution
-    )
+) -> Receiver | Surface:
+    """A receiver in the world, in metres: a flat rectangle, or any surface with a UV map.
 
-
-def _texture(name: str, block: bpy.types.Mesh) -> NDArray[np.float64]:
-    layer = block.uv_layers.active
-    if layer is None:
-        if len(block.loops) != 4:
-            raise SceneError(
-                f"Receiver “{name}” has no UV map; add one with UV › Reset in Edit Mode."
-            )
-        return np.array(_SQUARE)
-    texture = np.empty((len(block.loops), 2), dtype=np.float32)
-    layer.uv.foreach_get("vector", texture.ravel())
-    return texture.astype(np.float64)
+    Raises SceneError, naming it, where it has no faces, no UV map (`unwrap_receivers` gives it
+    one), or is mirrored.
+    """
+    found = textured_from_blender(obj.evaluated_get(depsgraph))
+    if found.texture is None and found.mesh.faces.shape == (1, 4):
+        found = replace(found, texture=SQUARE)
+    if found.texture is None:
+        raise SceneError(
+            f"Receiver “{obj.name}” has no UV map; add one with UV › Smart UV Project in Edit Mode."
+        )
+    plane = read(obj.heliform.plane, Plane)
+    return receiver_of(obj.name, found.moved(_matrix(obj, depsgraph, scale, scale)), plane)
 
 
 def body_material(obj: bpy.types.Object, scale: float = 1.0) -> Material:

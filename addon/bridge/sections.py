@@ -15,7 +15,7 @@ from ...engines.light.section import CURVES, Place, Section
 from ..properties import scale_of
 from .meshes import lines_to_blender
 from .read import read_receiver
-from .stage import SECTION, owner_of
+from .results import SECTION, name_of, owner_of, side_of
 
 _LINE = "heliform_section_line"
 _ACROSS = (0.0, 0.5), (1.0, 0.5)
@@ -69,7 +69,8 @@ def add_line(context: bpy.types.Context, picture: bpy.types.Image, scale: float)
 def stage_section(picture: bpy.types.Image, section: Section) -> None:
     """Keep a section with its picture, for the plot, and as a text of its own."""
     columns = {name: _listed(getattr(section, name)) for name in ("distance", *CURVES)}
-    meta = {key: section.meta[key] for key in ("quantity", "unit", "receiver")}
+    meta = {key: section.meta[key] for key in ("quantity", "unit")}
+    meta["receiver"] = name_of(picture)
     picture[SECTION] = json.dumps({**columns, **meta})
     name = text_name(picture)
     text = bpy.data.texts.get(name) or bpy.data.texts.new(name)
@@ -87,7 +88,8 @@ def section_of(picture: bpy.types.Image) -> dict[str, Any] | None:
 
 def text_name(picture: bpy.types.Image) -> str:
     """The name of the text that holds a picture's section."""
-    return f"{owner_of(picture).name} section.csv"
+    side = side_of(picture)
+    return f"{owner_of(picture).name}{f' {side}' if side else ''} section.csv"
 
 
 def _receiver(context: bpy.types.Context, picture: bpy.types.Image) -> Receiver:
@@ -95,7 +97,10 @@ def _receiver(context: bpy.types.Context, picture: bpy.types.Image) -> Receiver:
     if owner is None or owner.name not in context.scene.objects:
         raise SceneError(f"The receiver of “{picture.name}” is gone; trace photons onto another.")
     depsgraph = context.evaluated_depsgraph_get()
-    return read_receiver(owner, depsgraph, scale_of(context.scene))
+    found = read_receiver(owner, depsgraph, scale_of(context.scene))
+    if not isinstance(found, Receiver):
+        raise SceneError(f"“{owner.name}” is no flat rectangle, across which a section goes.")
+    return found
 
 
 def _on(receiver: Receiver, point: NDArray[np.float64]) -> Place:

@@ -1,196 +1,158 @@
-"""Results as Blender's data: images, a material that shows them, and whole studies as scenes.
-
-Beside the false-colour picture of a result lie its maps as float images, packed with it into the
-.blend: whatever is shown later, another map, another palette, a section, is read from them.
-"""
+"""Staging a result: its images, and the material that shows them on the receivers."""
 
 import json
-from dataclasses import asdict
-from typing import Any
+from collections.abc import Mapping
 
 import bpy
 import numpy as np
-from numpy.typing import NDArray
 
-from ...engines.core.colour import ColourScale, Display, scale_for
-from ...engines.core.errors import HeliformError, SceneError
-from ...engines.light import IrradianceMap
-from ..properties import enum_items, group_for, read
+from ...engines.core.colour import Display
+from ...engines.light import Irradiance, IrradianceMap
+from ...engines.light.drawing import is_plane
+from . import results, showing
+from .results import CHANNELS, COLOUR, KINDS, PICTURE
 
-CHANNELS = {
-    "illuminance": ("illuminance",) * 3,
-    "smooth": ("smooth", "smooth_half_width", "smooth_bias"),
-    "parts": ("direct", "caustic", "indirect"),
-    "interval": ("lower", "upper", "half_width"),
-}
-"""The float images of a result, and which map is in their red, green and blue."""
-
-PICTURE = "false colour"
-SHOWABLE = ("illuminance", "smooth", "caustic", "direct", "indirect", "half_width")
-QUANTITIES = {
-    "illuminance": "Illuminance",
-    "smooth": "Smoothed illuminance",
-    "caustic": "Caustic light",
-    "direct": "Direct light",
-    "indirect": "Scattered light",
-    "half_width": "95 % half-width",
-}
-
-_OWNER, _KIND = "heliform_owner", "heliform_kind"
-_META, _FIGURES = "heliform_meta", "heliform_figures"
-_LEGEND, _PROBLEM = "heliform_legend", "heliform_problem"
-SECTION = "heliform_section"
+_OWNER, _SIDES = "heliform_owner", "heliform_sides"
+_UV = "UV map"
 
 
 def stage_irradiance(
-    receiver: bpy.types.Object, result: IrradianceMap, display: Display
-) -> bpy.types.Image:
-    """Put a result on its receiver and return the false-colour image; reruns replace in place."""
-    for kind, names in CHANNELS.items():
-        image = _image(receiver, kind, result.illuminance.shape)
-        _fill(image, np.stack([getattr(result, name) for name in names], axis=-1))
-    picture = _image(receiver, PICTURE, result.illuminance.shape)
-    picture[_META] = json.dumps(result.meta)
-    picture[_FIGURES] = json.dumps(result.figures())
-    picture.pop(SECTION, None)
-    _colour(picture, getattr(result, picture.heliform_map), Display())
-    redisplay(picture, display)  # a range set by hand that is none must not lose the result
-    _show(receiver, picture)
+    scene: bpy.types.Scene,
+    receivers: Mapping[str, bpy.types.Object],
+    result: Irradiance,
+    display: Display,
+) -> list[bpy.types.Image]:
+    """Put the maps of a result on their receivers and return the pictures, in the maps' order.
+
+    ``receivers`` has the objects by the names that they had when the light was traced; maps of one
+    that is not there are left out. Reruns replace in place.
+    """
+    before = scene.heliform.shown
+    name = before.heliform_map if results.is_result(before) else ""
+    pictures, sides = [], {}
+    for one in result.maps:
+        receiver = receivers.get(one.meta["receiver"])
+        if receiver is not None:
+            pictures.append(_stage_map(receiver, one))
+            sides.setdefault(receiver, []).append(one)
+    for receiver, maps in sides.items():
+        kept = {(kind, _side(one)) for one in maps for kind in _kinds(one)}
+        results.drop_others(receiver, kept)
+    showing.share_map(pictures, name)
+    showing.redisplay(scene, display, pictures)
+    for receiver, maps in sides.items():
+        _show(receiver, [_side(one) for one in maps])
+    return pictures
+
+
+def _stage_map(receiver: bpy.types.Object, result: IrradianceMap) -> bpy.types.Image:
+    shape, side = result.illuminance.shape, _side(result)
+    for kind in _kinds(result):
+        if kind != PICTURE:
+            values = [getattr(result, name) for name in CHANNELS[kind]]
+            image = results.image_for(receiver, kind, side, shape)
+            results.fill(image, np.stack(values, axis=-1))
+    picture = results.image_for(receiver, PICTURE, side, shape)
+    picture[results.META] = json.dumps(result.meta)
+    picture[results.FIGURES] = json.dumps(result.figures())
+    picture[results.MAPS] = json.dumps(showing.offered_by(result))
+    picture[results.PLANE] = is_plane(result)
+    for stale in (results.SECTION, results.LEGEND):
+        picture.pop(stale, None)
     return picture
 
 
-def recolour(picture: bpy.types.Image, display: Display) -> None:
-    """Colour a picture anew from its float images.
-
-    Raises ParameterError for a range that is none, SceneError where the float images are gone.
-    """
-    name = picture.heliform_map
-    kind, index = next((k, maps.index(name)) for k, maps in CHANNELS.items() if name in maps)
-    _colour(picture, _values(picture, kind)[..., index], display)
+def _kinds(result: IrradianceMap) -> list[str]:
+    """The images that a map has."""
+    coloured = any(getattr(result, name).any() for name in CHANNELS[COLOUR])
+    return [kind for kind in KINDS if kind != COLOUR or coloured]
 
 
-def staged(picture: bpy.types.Image) -> IrradianceMap:
-    """The result that a picture was made of. Raises SceneError where its images are gone."""
-    maps = {}
-    for kind, names in CHANNELS.items():
-        maps |= dict(zip(names, np.moveaxis(_values(picture, kind), -1, 0), strict=False))
-    return IrradianceMap(**maps, meta=meta_of(picture))
+def _side(result: IrradianceMap) -> str:
+    return result.meta.get("side", "")
 
 
-def meta_of(picture: bpy.types.Image) -> dict[str, Any]:
-    """What is known of the result in a picture: see `IrradianceMap.meta`."""
-    return json.loads(picture[_META])
+# The material
 
 
-def figures_of(picture: bpy.types.Image) -> dict[str, Any]:
-    """The numbers of the result in a picture: see `IrradianceMap.figures`."""
-    return json.loads(picture[_FIGURES])
+def _show(receiver: bpy.types.Object, sides: list[str]) -> None:
+    """Have the receiver show its pictures.
 
-
-def legend_of(picture: bpy.types.Image) -> ColourScale:
-    """The scale that a picture is coloured with."""
-    return ColourScale(**json.loads(picture[_LEGEND]))
-
-
-def owner_of(picture: bpy.types.Image) -> bpy.types.Object | None:
-    """The receiver that a picture lies on, unless that was deleted."""
-    return picture.get(_OWNER)
-
-
-def is_result(image: bpy.types.Image | None) -> bool:
-    """Whether an image is a false-colour picture of Heliform's."""
-    return image is not None and _META in image and _LEGEND in image
-
-
-def _image(receiver: bpy.types.Object, kind: str, shape: tuple[int, int]) -> bpy.types.Image:
-    """The receiver's image of that kind, of the right size and name; a new one the first time."""
-    rows, columns = shape
-    name = f"{receiver.name} {kind}"
-    image = _find(receiver, kind)
-    if image is None:
-        data = kind != PICTURE
-        image = bpy.data.images.new(
-            name, columns, rows, alpha=False, float_buffer=data, is_data=data
-        )
-        image[_OWNER], image[_KIND] = receiver, kind
-    elif image.name != name:
-        image.name = name
-    if tuple(image.size) != (columns, rows):
-        image.scale(columns, rows)
-    return image
-
-
-def _find(receiver: bpy.types.Object | None, kind: str) -> bpy.types.Image | None:
-    """By owner rather than name: it survives renaming, and a copied receiver is another one."""
-    if receiver is None:
-        return None
-    mine = (i for i in bpy.data.images if i.get(_KIND) == kind and i.get(_OWNER) == receiver)
-    return next(mine, None)
-
-
-def _values(picture: bpy.types.Image, kind: str) -> NDArray[np.float32]:
-    """A float image as (rows, columns, 3)."""
-    image = _find(owner_of(picture), kind)
-    if image is None:
-        raise SceneError(f"The values behind “{picture.name}” are gone; trace photons again.")
-    columns, rows = image.size
-    pixels = np.empty(rows * columns * 4, dtype=np.float32)
-    image.pixels.foreach_get(pixels)
-    return pixels.reshape(rows, columns, 4)[..., :3]
-
-
-def _colour(picture: bpy.types.Image, values: NDArray[np.float32], display: Display) -> None:
-    quantity = QUANTITIES[picture.heliform_map]
-    scale = scale_for(values, display, quantity, meta_of(picture)["unit"])
-    _fill(picture, scale.colours(values) / np.float32(255))
-    picture[_LEGEND] = json.dumps(asdict(scale))
-
-
-def _fill(image: bpy.types.Image, colours: NDArray[np.floating]) -> None:
-    """Write (rows, columns, 3) and pack it, so that it is saved with the .blend."""
-    pixels = np.ones((*colours.shape[:2], 4), dtype=np.float32)
-    pixels[..., :3] = colours
-    image.pixels.foreach_set(pixels.ravel())
-    image.update()
-    image.pack()
-    image.update_tag()  # or the view mixes it with what it has drawn before
-
-
-def _show(receiver: bpy.types.Object, picture: bpy.types.Image) -> None:
-    """Have the receiver show the picture.
-
-    Its own material stays with its mesh, and what a person made of ours stays too.
+    Its own materials stay with its mesh, and what a person made of ours stays too, as long as the
+    receiver gathers on the same sides.
     """
     if not receiver.material_slots:
         receiver.data.materials.append(None)
-    slot = receiver.material_slots[0]
-    if slot.material is None or slot.material.get(_OWNER) != receiver:
-        slot.link = "OBJECT"
-        slot.material = _material(receiver)
-    nodes = slot.material.node_tree.nodes
-    for kind in (*CHANNELS, PICTURE):
-        if kind in nodes:
-            nodes[kind].image = _find(receiver, kind)
-            nodes.active = nodes[kind]  # the last one, the picture, is what Solid shading takes
+    slots = receiver.material_slots
+    ours = next((s.material for s in slots if s.material and _is_for(s.material, receiver)), None)
+    if ours is None:
+        ours = bpy.data.materials.new(f"{receiver.name} light")
+        ours[_OWNER] = receiver
+    if ours.get(_SIDES) != json.dumps(sides):
+        ours[_SIDES] = json.dumps(sides)
+        _make_nodes(ours.node_tree, sides)
+    for slot in slots:
+        if slot.material != ours:
+            slot.link = "OBJECT"
+            slot.material = ours
+    nodes = ours.node_tree.nodes
+    for side in sides:
+        for kind in KINDS:
+            if (node := nodes.get(_node(kind, side))) is not None:
+                node.image = results.find(receiver, kind, side)
+    layer = receiver.data.uv_layers.active
+    if layer and _UV in nodes:
+        nodes[_UV].uv_map = layer.name
+    bring_forward(receiver, sides[0])
 
 
-def _material(receiver: bpy.types.Object) -> bpy.types.Material:
-    """A material that shines in the colours of the picture, with the values at hand beside it."""
-    material = bpy.data.materials.new(f"{receiver.name} light")
-    material[_OWNER] = receiver
-    tree = material.node_tree
+def bring_forward(receiver: bpy.types.Object, side: str) -> None:
+    """Have Solid shading, which knows but one picture, take that of this side."""
+    for slot in receiver.material_slots:
+        if slot.material and _is_for(slot.material, receiver):
+            nodes = slot.material.node_tree.nodes
+            nodes.active = nodes.get(_node(PICTURE, side)) or nodes.active
+
+
+def _is_for(material: bpy.types.Material, receiver: bpy.types.Object) -> bool:
+    return material.get(_OWNER) == receiver
+
+
+def _node(kind: str, side: str) -> str:
+    return f"back {kind}" if side == "back" else kind
+
+
+def _make_nodes(tree: bpy.types.NodeTree, sides: list[str]) -> None:
+    """What shines in the colours of the pictures, with the values at hand beside them."""
     tree.nodes.clear()
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     emission = tree.nodes.new("ShaderNodeEmission")
     emission.location.x = -220
     tree.links.new(emission.outputs[0], output.inputs["Surface"])
-    for row, kind in enumerate((PICTURE, *CHANNELS)):
-        node = tree.nodes.new("ShaderNodeTexImage")
-        node.name = node.label = kind
-        node.interpolation = "Closest"  # a texel is a mean over its area, not a point to blend
-        node.location = (-540, -300 * row)
-    tree.links.new(tree.nodes[PICTURE].outputs["Color"], emission.inputs["Color"])
-    return material
+    uv = tree.nodes.new("ShaderNodeUVMap")
+    uv.name = uv.label = _UV
+    uv.location.x = -820 - 320 * (len(sides) - 1)
+    for column, side in enumerate(sides):
+        for row, kind in enumerate((PICTURE, *CHANNELS)):
+            node = tree.nodes.new("ShaderNodeTexImage")
+            node.name = node.label = _node(kind, side)
+            node.interpolation = "Closest"  # a texel is a mean over its area, not a point to blend
+            node.location = (-540 - 320 * column, -300 * row)
+            tree.links.new(uv.outputs["UV"], node.inputs["Vector"])
+    pictures = [tree.nodes[_node(PICTURE, side)].outputs["Color"] for side in sides]
+    if len(pictures) == 1:
+        tree.links.new(pictures[0], emission.inputs["Color"])
+        return
+    facing = tree.nodes.new("ShaderNodeNewGeometry")
+    facing.location = (-540, 300)
+    mix = tree.nodes.new("ShaderNodeMix")
+    mix.data_type = "RGBA"
+    mix.location = (-220, 300)
+    mixed = {s.name: s for s in mix.inputs if s.enabled}
+    tree.links.new(facing.outputs["Backfacing"], mixed["Factor"])
+    tree.links.new(pictures[0], mixed["A"])
+    tree.links.new(pictures[1], mixed["B"])
+    tree.links.new(next(s for s in mix.outputs if s.enabled), emission.inputs["Color"])
 
 
 def show_in_views(context: bpy.types.Context) -> None:
@@ -201,101 +163,3 @@ def show_in_views(context: bpy.types.Context) -> None:
                 shading = area.spaces.active.shading
                 if shading.type == "SOLID":
                     shading.color_type, shading.light = "TEXTURE", "FLAT"
-
-
-# What is shown
-
-
-def redisplay(picture: bpy.types.Image | None, display: Display) -> None:
-    """Recolour a picture as far as it is one; what is wrong is kept for `problem_of`."""
-    if not is_result(picture):
-        return
-    try:
-        recolour(picture, display)
-        picture[_PROBLEM] = ""
-    except HeliformError as error:
-        picture[_PROBLEM] = str(error)
-
-
-def problem_of(picture: bpy.types.Image) -> str:
-    """Why a picture could not be recoloured, or an empty text."""
-    return picture.get(_PROBLEM, "")
-
-
-def _chosen(picture: bpy.types.Image, context: bpy.types.Context) -> None:
-    redisplay(picture, read(context.scene.heliform.display, Display))
-
-
-def _changed() -> None:
-    settings = bpy.context.scene.heliform
-    redisplay(settings.shown, read(settings.display, Display))
-
-
-def _map_items() -> list[tuple[str, str, str, int]]:
-    helps = (
-        "All light that lands, as it was counted",
-        "All light that lands, gathered over as many texels as it needs: for the eye",
-        "Light that came through glass or off mirrors alone",
-        "Light that met nothing on its way from the lamp",
-        "Light that a matte surface scattered",
-        "Half the width of the 95 % confidence interval: how sure each texel is",
-    )
-    numbered = enum_items(SHOWABLE)
-    return [
-        (key, QUANTITIES[key], text, number)
-        for (key, _, _, number), text in zip(numbered, helps, strict=True)
-    ]
-
-
-_owner = object()
-
-
-def _listen() -> None:
-    """Recolour when a person changes how results are displayed."""
-    bpy.msgbus.clear_by_owner(_owner)
-    for field in group_for(Display).__annotations__:
-        bpy.msgbus.subscribe_rna(
-            key=(group_for(Display), field),
-            owner=_owner,
-            args=(),
-            notify=_changed,
-            options={"PERSISTENT"},
-        )
-
-
-def register() -> None:
-    """Give images a choice of map, and follow the display settings."""
-    bpy.types.Image.heliform_map = bpy.props.EnumProperty(
-        name="Map",
-        description="Which part of the light is shown",
-        items=_map_items(),
-        update=_chosen,
-    )
-    bpy.app.handlers.load_post.append(_reopened)
-    for undone in (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post):
-        undone.append(_undone)
-    _listen()
-
-
-def unregister() -> None:
-    """Take both away."""
-    bpy.msgbus.clear_by_owner(_owner)
-    for undone in (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post):
-        undone.remove(_undone)
-    bpy.app.handlers.load_post.remove(_reopened)
-    del bpy.types.Image.heliform_map
-
-
-@bpy.app.handlers.persistent
-def _reopened(*_: object) -> None:
-    _listen()
-
-
-@bpy.app.handlers.persistent
-def _undone(*_: object) -> None:
-    """Undo brings packed files back, but not always the pixels that were loaded from them."""
-    for image in bpy.data.images:
-        if _KIND in image:
-            image.buffers_free()
-            image.gl_free()
-            image.update_tag()

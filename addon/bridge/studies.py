@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 from mathutils import Matrix
 
 from ...engines.core.analysis import find_form
 from ...engines.core.files import safe_name, written
 from ...engines.core.parameters import from_table, to_table
-from ...engines.core.scene import Body, Lamp, Luminaire, Mesh, Plane, Receiver
+from ...engines.core.scene import Body, Lamp, Luminaire, Mesh, Plane, Receiver, Surface
 from ...engines.core.study import Case, load_study, merged
 from ...engines.glass import GlassObject
 from .. import objects
@@ -45,9 +46,10 @@ def stage_study(
         receivers = add_case(scene, case, study.seed)
         folder = out / safe_name(case.name) if case.name else out
         result = case.analysis.shows.load(folder)
-        result.meta["folder"] = str(folder)
-        receiver = receivers[result.meta["receiver"]]
-        scene.heliform.shown = stage.stage_irradiance(receiver, result, case.display)
+        for one in result.maps:
+            one.meta["folder"] = str(folder)
+        pictures = stage.stage_irradiance(scene, receivers, result, case.display)
+        scene.heliform.shown = pictures[0]
         scene.view_settings.view_transform = "Standard"
     stage.show_in_views(bpy.context)
     with written(blend) as draft:
@@ -104,9 +106,13 @@ def _add_lamp(context: bpy.types.Context, luminaire: Luminaire) -> None:
     obj.matrix_world = _matrix(luminaire.pose, scale_of(context.scene))
 
 
-def _add_receiver(context: bpy.types.Context, receiver: Receiver) -> bpy.types.Object:
+def _add_receiver(context: bpy.types.Context, receiver: Receiver | Surface) -> bpy.types.Object:
+    resolution = max(receiver.columns, receiver.rows)
+    kept = {"sides": receiver.sides, "reflectance": receiver.reflectance}
+    if isinstance(receiver, Surface):
+        return _add_surface(context, receiver, Plane(resolution=resolution, **kept))
     width, length = (math.hypot(*edge) for edge in (receiver.u, receiver.v))
-    plane = Plane(width=width, length=length, resolution=max(receiver.columns, receiver.rows))
+    plane = Plane(width=width, length=length, resolution=resolution, **kept)
     obj = objects.add_receiver(context, plane, receiver.name)
     matrix = Matrix.Identity(4)
     axes = (receiver.u / width, receiver.v / length, receiver.normal)
@@ -114,6 +120,18 @@ def _add_receiver(context: bpy.types.Context, receiver: Receiver) -> bpy.types.O
     for column, values in enumerate((*axes, middle)):
         matrix.col[column][:3] = values
     obj.matrix_world = _matrix(matrix, scale_of(context.scene))
+    return obj
+
+
+def _add_surface(context: bpy.types.Context, surface: Surface, plane: Plane) -> bpy.types.Object:
+    scale = scale_of(context.scene)
+    block = to_blender(Mesh(surface.mesh.vertices / scale, surface.mesh.faces), surface.name)
+    layer = block.uv_layers.new(name="UVMap", do_init=False)
+    layer.uv.foreach_set("vector", surface.texture.astype(np.float32).ravel())
+    obj = bpy.data.objects.new(surface.name, block)
+    context.collection.objects.link(obj)
+    obj.heliform.role = "RECEIVER"
+    write(obj.heliform.plane, plane, scale)
     return obj
 
 

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 from .colour import Display
 from .errors import ParameterError
 from .progress import Progress
-from .scene import Mesh, Scene
+from .scene import Mesh, Scene, Vector
 
 _ENGINES = __name__.rsplit(".", 2)[0]
 ROOMS = ("glass", "scan", "light", "sun", "structure", "explore", "caustics")
@@ -23,6 +23,14 @@ class Run(Protocol):
     """An engine function: scene and record in, result out; deterministic for a given seed."""
 
     def __call__(self, scene: Scene, record: Any, /, *, seed: int, progress: Progress) -> Any: ...
+
+
+class Refine(Protocol):
+    """An engine function that goes on from what an earlier result kept in the file ``sums``."""
+
+    def __call__(
+        self, scene: Scene, record: Any, /, *, seed: int, progress: Progress, sums: Path
+    ) -> Any: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +53,10 @@ class Analysis:
     ``shows`` is the result class: it has ``save(folder) -> list[str]``, ``load(folder)``,
     ``figures()`` and ``meta``. ``draw`` writes a result's pictures and tables into a folder and
     returns their names.
+
+    ``refine`` goes on from the file ``sums`` of a result's folder; None where that cannot be.
+    ``unwrap`` gives a receiver's mesh texture coordinates (F, 3, 2) for a map of so many texels a
+    side. ``lamp_files`` are the files that a lamp's photometric file needs beside it.
     """
 
     name: str
@@ -52,6 +64,10 @@ class Analysis:
     run: Run
     shows: type
     draw: Callable[[Any, Path, Display], list[str]]
+    refine: Refine | None = None
+    sums: str = ""
+    unwrap: Callable[[Mesh, int], Vector] | None = None
+    lamp_files: Callable[[Path], list[Path]] = lambda file: []
 
 
 def find_form(name: str, where: str) -> Form:

@@ -17,7 +17,8 @@ from .parameters import param
 Palette = Literal["viridis", "radiance"]
 
 _STEPS = 1024
-_NO_VALUE = (150, 150, 150)
+NO_VALUE = (150, 150, 150)
+"""The grey of what has no value."""
 _PEAK = 99.5  # percentile of the lit values that the automatic range reaches to
 _DECADES = 3  # that an automatic logarithmic range spans at most
 _THIN_SPACE = "\u2009"
@@ -224,7 +225,7 @@ _PALETTES = {"viridis": _viridis, "radiance": _radiance}
 @functools.cache
 def _lookup(palette: Palette) -> NDArray[np.uint8]:
     """The palette finely, and after it the colour of no value."""
-    return np.vstack([_bytes(_PALETTES[palette](np.linspace(0.0, 1.0, _STEPS))), _NO_VALUE]).astype(
+    return np.vstack([_bytes(_PALETTES[palette](np.linspace(0.0, 1.0, _STEPS))), NO_VALUE]).astype(
         np.uint8
     )
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from .colour import Axis, ColourScale
+from .colour import NO_VALUE, Axis, ColourScale, to_srgb
 from .files import written
 
 Curve = tuple[str, ArrayLike, ArrayLike | None, ArrayLike | None]
@@ -67,14 +67,27 @@ def false_colour_png(
 def colour_png(path: Path | str, light: NDArray[np.floating], title: str, note: str) -> None:
     """Write ``light`` (H, W, 3), linear Rec. 709, row 0 at the bottom, as an eye would see it.
 
-    The brightest 0.5 % are white; otherwise as `false_colour_png`. Raises FileError likewise.
+    Toned as `toned`; otherwise as `false_colour_png`. Raises FileError likewise.
     """
-    bright = float(np.quantile(light.max(axis=-1), 0.995))
-    shown = np.clip(light[::-1] / (bright or 1.0), 0.0, 1.0)
-    # IEC 61966-2-1
-    encoded = np.where(shown <= 0.0031308, 12.92 * shown, 1.055 * shown ** (1 / 2.4) - 0.055)
-    picture = _enlarged((255 * encoded + 0.5).astype(np.uint8))
+    picture = _enlarged(toned(light[::-1], white_of(light)))
     _save(_sheet(picture, _blank(1, 1), title, note), path)
+
+
+def white_of(light: NDArray[np.floating]) -> float:
+    """What of ``light`` (..., 3) is shown white: all but the brightest 0.5 % are below it.
+
+    NaN does not count; 1 where there is no light.
+    """
+    brightest = light.max(axis=-1)
+    known = brightest[np.isfinite(brightest)]
+    return float(np.quantile(known, 0.995)) or 1.0 if known.size else 1.0
+
+
+def toned(light: NDArray[np.floating], white: float) -> NDArray[np.uint8]:
+    """The sRGB colours (..., 3) of ``light`` (..., 3), linear Rec. 709, grey for NaN."""
+    colours = (255 * to_srgb(np.nan_to_num(light / white)) + 0.5).astype(np.uint8)
+    colours[np.isnan(light).any(axis=-1)] = NO_VALUE
+    return colours
 
 
 def _enlarged(colours: NDArray[np.uint8]) -> Image.Image:

@@ -88,7 +88,7 @@ def _run_case(
     summary: dict[str, Any],
     pictures: list[str],
 ) -> None:
-    result = case.analysis.run(case.scene, case.parameters, seed=seed, progress=progress)
+    result = _computed(case, seed, progress)
     place = folder / safe_name(case.name) if case.name else folder
     place.mkdir(exist_ok=True)
     saved = result.save(place)
@@ -99,6 +99,14 @@ def _run_case(
     prefix = f"{case.name}." if case.name else ""
     summary["figures"] |= {prefix + name: figure for name, figure in result.figures().items()}
     summary["notes"] += [f"{case.name}: {n}" if case.name else n for n in result.meta["notes"]]
+
+
+def _computed(case: Case, seed: int, progress: Progress) -> Any:
+    given = {"seed": seed, "progress": progress}
+    if case.sums is None:
+        return case.analysis.run(case.scene, case.parameters, **given)
+    assert case.analysis.refine
+    return case.analysis.refine(case.scene, case.parameters, **given, sums=case.sums)
 
 
 def _move(draft: Path, out: Path, files: list[str]) -> None:

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from .analysis import Analysis, find_analysis, find_form
 from .colour import Display, scale_for
-from .errors import FileError, ParameterError
+from .errors import FileError, ParameterError, SceneError
 from .files import safe_name, written
-from .meshes import load_mesh, save_mesh
+from .meshes import load_mesh, load_textured, save_mesh
 from .parameters import check_keys, from_table, to_table
 from .scene import (
     Body,
@@ -32,20 +32,25 @@ from .scene import (
     Plane,
     Receiver,
     Scene,
+    Surface,
+    Vector,
     plane_receiver,
 )
 
 SCHEMA = 1
 KEYS = (
     *("heliform", "title", "about", "analysis", "seed", "parameters", "display"),
-    *("bodies", "lamps", "receivers", "quick", "cases"),
+    *("bodies", "lamps", "receivers", "quick", "cases", "refine"),
 )
 PLACE = ("at", "turn", "scale", "matrix")
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One run of a study: a name ("" where the study has no cases) and what is run."""
+    """One run of a study: a name ("" where the study has no cases) and what is run.
+
+    ``sums`` is a file of an earlier result that the run goes on from, or None.
+    """
 
     name: str
     analysis: Analysis
@@ -53,6 +58,7 @@ class Case:
     scene: Scene
     display: Display
     table: Mapping[str, Any]
+    sums: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +129,7 @@ def _check_types(table: Mapping[str, Any], path: Path) -> None:
     for key in ("parameters", "display", "bodies", "lamps", "receivers", "quick", "cases"):
         if not isinstance(table.get(key, {}), Mapping):
             raise ParameterError(f"[{path.name}] {key} should be a table: [{key}].")
-    for key in ("title", "about", "analysis"):
+    for key in ("title", "about", "analysis", "refine"):
         _text(table, key, path.name)
 
 
@@ -175,11 +181,31 @@ def _case(name: str, base: Mapping[str, Any], variant: Any, path: Path) -> Case:
     scene = Scene(
         bodies=tuple(_body(n, t, path) for n, t in _tables(table, "bodies")),
         luminaires=tuple(_luminaire(n, t, path) for n, t in _tables(table, "lamps")),
-        receivers=tuple(_receiver(n, t) for n, t in _tables(table, "receivers")),
+        receivers=tuple(_receiver(n, t, path, analysis) for n, t in _tables(table, "receivers")),
     )
     display = from_table(Display, table.get("display", {}), "display")
     scale_for(np.ones(1), display, "", "")
-    return Case(name, analysis, parameters, scene, display, table)
+    return Case(
+        name, analysis, parameters, scene, display, table, _sums(name, table, path, analysis)
+    )
+
+
+def _sums(name: str, table: Mapping[str, Any], path: Path, analysis: Analysis) -> Path | None:
+    """What the result folder that the study refines has kept for this case."""
+    if not table.get("refine"):
+        return None
+    if analysis.refine is None:
+        raise ParameterError(f"[{path.name}] refine is not for {analysis.name}; remove it.")
+    folder = path.parent / table["refine"]
+    folder = folder / safe_name(name) if name else folder
+    if not folder.is_dir():
+        raise FileError(f"There is no result “{folder}” to go on from; check its name and folder.")
+    if not (folder / analysis.sums).is_file():
+        raise FileError(
+            f"“{folder}” has no {analysis.sums} to go on from; trace anew with "
+            "parameters.keep_sums = true."
+        )
+    return folder / analysis.sums
 
 
 def _tables(table: Mapping[str, Any], section: str) -> list[tuple[str, Mapping[str, Any]]]:
@@ -234,10 +260,39 @@ def _luminaire(name: str, table: Mapping[str, Any], path: Path) -> Luminaire:
     return Luminaire(name, from_table(Lamp, own, where), _place(table, where))
 
 
-def _receiver(name: str, table: Mapping[str, Any]) -> Receiver:
+def _receiver(
+    name: str, table: Mapping[str, Any], path: Path, analysis: Analysis
+) -> Receiver | Surface:
     where = f"receivers.{name}"
     own = {k: v for k, v in table.items() if k not in (*PLACE, "on")}
-    return plane_receiver(name, from_table(Plane, own, where), _place(table, where))
+    if "mesh" not in table:
+        return plane_receiver(name, from_table(Plane, own, where), _place(table, where))
+    for key in ("width", "length"):
+        if key in own:
+            raise ParameterError(f"[{where}] has the size of its mesh; set scale, not {key}.")
+    own = {k: v for k, v in own.items() if k not in ("mesh", "unit", "texels")}
+    plane = from_table(Plane, own, where)
+    loaded = load_textured(path.parent / _text(table, "mesh", where), table.get("unit", "m"))
+    if not len(loaded.mesh.faces):
+        raise SceneError(f"Receiver “{name}” has no faces; choose a mesh with some.")
+    found = loaded.triangles().moved(_place(table, where))
+    texture = found.texture
+    if texture is None:
+        texture = _unwrapped(name, found.mesh, plane.resolution, analysis)
+    square = (plane.resolution, plane.resolution)
+    columns, rows = (int(n) for n in _numbers(table, "texels", (2,), square, where))
+    if min(columns, rows) < 1:
+        raise ParameterError(f"[{where}] texels = {table['texels']!r} should be at least 1.")
+    return Surface(name, found.mesh, texture, columns, rows, plane.sides, plane.reflectance)
+
+
+def _unwrapped(name: str, mesh: Mesh, resolution: int, analysis: Analysis) -> Vector:
+    if analysis.unwrap is None:
+        raise SceneError(f"Receiver “{name}” has no UV map; save its mesh with one.")
+    try:
+        return analysis.unwrap(mesh, resolution)
+    except SceneError as error:
+        raise SceneError(f"Receiver “{name}”: {error}") from None
 
 
 def _place(table: Mapping[str, Any], where: str) -> NDArray[np.float64]:
@@ -286,7 +341,7 @@ def save_study(
     seed: int,
     display: Display | None = None,
 ) -> Path:
-    """Write a scene as a study that runs elsewhere: study.toml, its meshes and IES files.
+    """Write a scene as a study that runs elsewhere: study.toml, its meshes and its lamps' files.
 
     ``display`` is how its pictures are coloured, the default where None.
 
@@ -307,8 +362,10 @@ def save_study(
         "display": to_table(display or Display()),
     }
     bodies = {b.name: _saved_body(b, folder, i) for i, b in enumerate(scene.bodies)}
-    lamps = {lamp.name: _saved_lamp(lamp, folder, i) for i, lamp in enumerate(scene.luminaires)}
-    receivers = {r.name: _saved_receiver(r) for r in scene.receivers}
+    lamps = {
+        lamp.name: _saved_lamp(lamp, folder, i, analysis) for i, lamp in enumerate(scene.luminaires)
+    }
+    receivers = {r.name: _saved_receiver(r, folder, i) for i, r in enumerate(scene.receivers)}
     for key, entries in (("bodies", bodies), ("lamps", lamps), ("receivers", receivers)):
         if entries:
             table[key] = entries
@@ -324,28 +381,45 @@ def _saved_body(body: Body, folder: Path, index: int) -> dict[str, Any]:
     return {"mesh": file, "material": to_table(body.material)}
 
 
-def _saved_lamp(luminaire: Luminaire, folder: Path, index: int) -> dict[str, Any]:
+def _saved_lamp(
+    luminaire: Luminaire, folder: Path, index: int, analysis: Analysis
+) -> dict[str, Any]:
+    """The lamp's table; its file is copied, with those that it needs into a folder of its own."""
     table = to_table(luminaire.lamp)
     if luminaire.lamp.source == "ies" and luminaire.lamp.file:
         origin = Path(luminaire.lamp.file)
         stem = re.sub(r"\.ies$", "", origin.name, flags=re.I)
-        table["file"] = f"{index}-{safe_name(stem)}.ies"
-        try:
-            if origin.resolve() != (folder / table["file"]).resolve():
-                shutil.copyfile(origin, folder / table["file"])
-        except OSError as failed:
-            raise FileError(
-                f"Lamp “{luminaire.name}” needs “{origin}”, which cannot be read: "
-                f"{failed.strerror}; choose another file."
-            ) from None
+        name = f"{index}-{safe_name(stem)}"
+        beside = analysis.lamp_files(origin)
+        table["file"] = f"{name}/{name}.ies" if beside else f"{name}.ies"
+        target = folder / table["file"]
+        copies = [(origin, target), *((file, target.with_name(file.name)) for file in beside)]
+        for source, copy in copies:
+            try:
+                copy.parent.mkdir(exist_ok=True)
+                if source.resolve() != copy.resolve():
+                    shutil.copyfile(source, copy)
+            except OSError as failed:
+                raise FileError(
+                    f"Lamp “{luminaire.name}” needs “{source}”, which cannot be copied: "
+                    f"{failed.strerror}; choose another file."
+                ) from None
     return table | {"matrix": luminaire.pose.tolist()}
 
 
-def _saved_receiver(receiver: Receiver) -> dict[str, Any]:
+def _saved_receiver(receiver: Receiver | Surface, folder: Path, index: int) -> dict[str, Any]:
+    resolution = max(receiver.columns, receiver.rows)
+    kept = {"sides": receiver.sides, "reflectance": receiver.reflectance}
+    if isinstance(receiver, Surface):
+        file = f"receiver-{index}-{safe_name(receiver.name)}.npz"
+        save_mesh(folder / file, receiver.mesh, receiver.texture)
+        table = {"mesh": file, "resolution": resolution, **kept}
+        if receiver.columns != receiver.rows:
+            table["texels"] = [receiver.columns, receiver.rows]
+        return table
     width, length = (float(np.linalg.norm(e)) for e in (receiver.u, receiver.v))
     matrix = np.eye(4)
     matrix[:3, :3] = np.column_stack([receiver.u / width, receiver.v / length, receiver.normal])
     matrix[:3, 3] = receiver.origin + (receiver.u + receiver.v) / 2
-    resolution = max(receiver.columns, receiver.rows)
-    plane = Plane(width=width, length=length, resolution=resolution)
+    plane = Plane(width=width, length=length, resolution=resolution, **kept)
     return to_table(plane) | {"matrix": matrix.tolist()}

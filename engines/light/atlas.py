@@ -222,7 +222,9 @@ def _percent(share: float) -> str:
 # Values
 
 
-def padded(values: Vector, inside: NDArray[np.bool_], reach: int) -> Vector:
+def padded(
+    values: NDArray[np.floating], inside: NDArray[np.bool_], reach: int
+) -> NDArray[np.floating]:
     """``values`` (rows, columns[, k]) carried beyond the charts, so that no seam shows.
 
     Texels that are not ``inside`` (rows, columns) take the value of the nearest one that is, where

@@ -14,11 +14,11 @@ from scipy.special import stdtrit
 
 from ..core import runtime
 from ..core.scene import Receiver
-from .atlas import Texels
 from .emission import bilinear, intensity_grid
+from .grid import Chart
 from .interval import CONFIDENCE
 from .luminaires import Source
-from .stage import MM, Stage
+from .stage import BEHIND, MM, OFFSET_MM, OFFSET_SHARE, Stage
 from .targets import Side
 
 mi = runtime.mitsuba()
@@ -30,18 +30,20 @@ REPLICATES = 8
 FIRST, MORE = 2, 64
 """Shadow rays a texel and replicate: to find the edges of shadows, and there."""
 MARGIN = 2
-LIFT = 0.02
-"""Of a texel's width: how far above a mesh its shadow rays begin."""
+FACE, PIECE = 16, 4
+"""Floats a face: corners (9), texture coordinates of the first (2) and, from there, what makes of
+them the shares of the second corner (2) and of the third (2). Numbers a piece: face, those two
+shares at its centroid, its share of the texel's light."""
 GAUSS = 0.5 / np.sqrt(3.0)
 MOST_CUTS = 32
 
 
 def direct_light(
-    stage: Stage, side: Side, chart: Texels | None, source: Source, seed: tuple[int, ...]
+    stage: Stage, side: Side, chart: Chart | None, source: Source, seed: tuple[int, ...]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Illuminance (rows, columns) in lx of ``source`` on a side, and its 95 % half-width.
 
-    ``chart`` says what the texels of a mesh cover, None for a plane.
+    ``chart`` is the map of a mesh, None for a plane.
     """
     spots = _PlaneSpots(stage, side) if chart is None else _MeshSpots(stage, side, chart)
     lit = _Light(stage, spots, source)
@@ -92,6 +94,7 @@ class _PlaneSpots:
         self.across = _fixed(receiver.u / receiver.columns * MM)
         self.along = _fixed(receiver.v / receiver.rows * MM)
         self.facing = _fixed(-receiver.normal if side.back else receiver.normal)
+        self.lift = 0.0
         self.columns = dr.opaque(UInt32, receiver.columns)
         sides = [np.linalg.norm(receiver.u), np.linalg.norm(receiver.v)]
         self.size = float(max(sides[0] / receiver.columns, sides[1] / receiver.rows))
@@ -106,9 +109,9 @@ class _PlaneSpots:
         """The unit normal of the lit side."""
         return self.facing
 
-    def lifted(self, texel: Any) -> Any:
-        """How far in mm above a place its shadow ray begins."""
-        return Float(0)
+    def drawn(self, texel: Any, random: Any) -> tuple[Any, Any]:
+        """Places by chance on each texel, and what they weigh among others of the texel."""
+        return self.place(texel, random.next_float32(), random.next_float32()), Float(1)
 
     def distance(self, place: NDArray[np.float64]) -> float:
         """From ``place`` to the nearest place of the receiver in m."""
@@ -131,21 +134,30 @@ class _PlaneSpots:
 
 
 class _MeshSpots:
-    """Places on the texels of a mesh: about their centroids, on the plane of their mean normal."""
+    """Places on the texels of a mesh: about their centroids on the plane of their mean normal, or,
+    for shadows, drawn from the faces themselves."""
 
-    def __init__(self, stage: Stage, side: Side, chart: Texels) -> None:
+    def __init__(self, stage: Stage, side: Side, chart: Chart) -> None:
+        texels = chart.texels
         self.receiver = side.receiver
-        self.texels = np.flatnonzero(chart.area.ravel() > 0).astype(np.uint32)
-        self.centres = chart.place.reshape(-1, 3)[self.texels]
-        normals = chart.normal.reshape(-1, 3)
-        self.size = float(np.sqrt(chart.area.max()))
+        self.texels = np.flatnonzero(texels.area.ravel() > 0).astype(np.uint32)
+        self.centres = texels.place.reshape(-1, 3)[self.texels]
+        normals = texels.normal.reshape(-1, 3)
+        self.size = float(np.sqrt(texels.area.max()))
 
-        def filed(values: NDArray[np.float64]) -> Any:
+        def filed(values: NDArray[np.floating]) -> Any:
             return Float(values.astype(np.float32).ravel())
 
-        self._centre = filed(stage.place(chart.place.reshape(-1, 3)))
+        self._centre = filed(stage.place(texels.place.reshape(-1, 3)))
         self._normal = filed(-normals if side.back else normals)
-        self._width = filed(np.sqrt(chart.area) * MM)
+        self._width = filed(np.sqrt(texels.area) * MM)
+        # The back of a mesh stands back too.
+        step = OFFSET_MM + OFFSET_SHARE * stage.reach
+        self.lift = dr.opaque(Float, 2 * BEHIND * step if side.back else 0.0)
+        self._map = [dr.opaque(UInt32, n) for n in texels.area.shape[::-1]]
+        self._first = UInt32(chart.cut.first.astype(np.uint32))
+        self._faces = filed(_faces(stage, chart))
+        self._pieces = filed(_pieces(chart))
 
     def place(self, texel: Any, s: Any, t: Any) -> Any:
         """Places at (s, t) in 0..1 of each texel."""
@@ -158,9 +170,27 @@ class _MeshSpots:
         """The unit normal of the lit side."""
         return dr.gather(mi.Vector3f, self._normal, texel)
 
-    def lifted(self, texel: Any) -> Any:
-        """How far in mm above a place its shadow ray begins: a curved mesh must not hide itself."""
-        return LIFT * dr.gather(Float, self._width, texel)
+    def drawn(self, texel: Any, random: Any) -> tuple[Any, Any]:
+        """Places by chance on each texel's pieces, and what they weigh among others of the texel.
+
+        A place of the texel where it is on the piece's face, else the piece's centroid.
+        """
+        width = dr.width(texel)
+        first = dr.gather(UInt32, self._first, texel)
+        count = dr.gather(UInt32, self._first, texel + 1) - first
+        index = first + dr.minimum(UInt32(random.next_float32() * Float(count)), count - 1)
+        piece = dr.gather(mi.ArrayXf, self._pieces, index, shape=(PIECE, width))
+        number: Any = dr.reinterpret_array(UInt32, piece[0])
+        face = dr.gather(mi.ArrayXf, self._faces, number, shape=(FACE, width))
+        columns, rows = self._map
+        row = texel // columns
+        u = (Float(texel - row * columns) + random.next_float32()) / Float(columns) - face[9]
+        v = (Float(row) + random.next_float32()) / Float(rows) - face[10]
+        second, third = face[11] * u + face[12] * v, face[13] * u + face[14] * v
+        on = (second >= 0) & (third >= 0) & (second + third <= 1)
+        second, third = dr.select(on, second, piece[1]), dr.select(on, third, piece[2])
+        a, b, c = (mi.Point3f(face[i], face[i + 1], face[i + 2]) for i in (0, 3, 6))
+        return a + second * (b - a) + third * (c - a), piece[3]
 
     def distance(self, place: NDArray[np.float64]) -> float:
         """From ``place`` to the nearest texel in m."""
@@ -169,6 +199,27 @@ class _MeshSpots:
     def rim(self, source: Source) -> NDArray[np.bool_]:
         """Texels (T,) that the outline of a parallel beam crosses."""
         return _rim(source, self.centres, self.size * 2**0.5)
+
+
+def _faces(stage: Stage, chart: Chart) -> NDArray[np.float64]:
+    mesh, texture = chart.surface.mesh, chart.surface.texture
+    rows = np.zeros((len(mesh.faces), FACE))
+    rows[:, :9] = stage.place(mesh.vertices[mesh.faces]).reshape(-1, 9)
+    rows[:, 9:11] = texture[:, 0]
+    (a, b), (c, d) = (texture[:, 1:] - texture[:, :1]).transpose(2, 1, 0)
+    twice = a * d - b * c
+    inverse = np.stack([d, -b, -c, a], axis=1)
+    # No share is 0 or more where a face has no area in the map.
+    rows[:, 11:15] = np.nan
+    np.divide(inverse, twice[:, None], out=rows[:, 11:15], where=twice[:, None] != 0)
+    return rows
+
+
+def _pieces(chart: Chart) -> NDArray[np.float32]:
+    cut = chart.cut
+    rows = np.column_stack([cut.face, cut.weights[:, 1:], cut.share]).astype(np.float32)
+    rows[:, 0] = cut.face.astype(np.uint32).view(np.float32)
+    return rows
 
 
 class _Light:
@@ -228,23 +279,24 @@ class _Light:
         beam = self.source.distribution is None
         # A plane does not shade itself, whatever float32 makes of a place on it.
         others = [p for p in self.stage.planes if p.receiver is not self.spots.receiver]
-        normal, lifted = self.spots.normal(texel), self.spots.lifted(texel)
+        normal = self.spots.normal(texel)
 
         def add(k: Any, whole: Any, seen: Any, random: Any) -> tuple[Any, ...]:
-            place = self.spots.place(texel, random.next_float32(), random.next_float32())
+            place, weight = self.spots.drawn(texel, random)
             if beam:
                 lux, ray, distance = self.from_beam(place, normal)
             else:
                 x, y = self.on_opening(random)
                 lux, ray, distance = self.from_opening(place, normal, x, y)
-            start = place + normal * lifted - ray * 1e-2
+            start = place + normal * self.spots.lift - ray * 1e-2
             visible = Bool(True)
             for plane in others:
                 visible &= ~plane.blocks(start, -ray, distance - 2e-2)
             if self.stage.scene is not None:
                 back = mi.Ray3f(start, -ray, distance - 2e-2, 0.0, [])
                 visible &= ~self.stage.scene.ray_test(back, active=lux > 0)
-            return k + 1, whole + (1 if beam else lux), seen + dr.select(visible, lux, 0), random
+            whole += weight if beam else weight * lux
+            return k + 1, whole, seen + dr.select(visible, weight * lux, 0), random
 
         count = dr.opaque(UInt32, rays)
         zero = dr.zeros(Float, len(texels))

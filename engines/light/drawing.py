@@ -52,12 +52,17 @@ def draw_map(result: IrradianceMap, folder: Path, display: Display, prefix: str 
         files.append(f"{prefix}colour.png")
         light = shown(colour, result.inside)
         colour_png(folder / files[-1], light, f"{result.name}: colour", note)
-    if result.inside.all():
+    if is_plane(result):
         profile = section(result)
         profile.save_png(folder / f"{prefix}section.png", display.log)
         profile.save_csv(folder / f"{prefix}section.csv")
         files += [f"{prefix}section.png", f"{prefix}section.csv"]
     return files
+
+
+def is_plane(result: IrradianceMap) -> bool:
+    """Whether a map is that of a rectangle: all of it is surface, in texels of one size."""
+    return bool(0 < result.area.min() == result.area.max())
 
 
 def shown(

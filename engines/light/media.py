@@ -95,8 +95,9 @@ def _require_apart(under: Body, over: Body, below: Any, above: Any) -> None:
     """Two bodies with common space: neither hidden in the other, nor face to face."""
     within = (above[0] <= below[0]).all() and (below[1] <= above[1]).all()
     if within and encloses(over.mesh, under.mesh.vertices[under.mesh.faces[0, 0]]):
-        crossing = _sample(under.mesh)
-        if all(encloses(over.mesh, place) for place in crossing):
+        # A liquid may have all its corners in the wall of its glass; that does not hide it.
+        buried = all(encloses(over.mesh, place) for place in _sample(under.mesh))
+        if buried and not any(encloses(under.mesh, place) for place in _sample(over.mesh)):
             raise SceneError(
                 f"“{under.name}” lies wholly inside “{over.name}”, which has the higher priority "
                 "and hides it; give the inner one the higher priority."
@@ -108,16 +109,22 @@ def _require_apart(under: Body, over: Body, below: Any, above: Any) -> None:
         )
 
 
-def _sample(mesh: Mesh, count: int = 16) -> NDArray[np.float64]:
-    used = np.unique(mesh.faces)
-    return mesh.vertices[used[np.linspace(0, len(used) - 1, min(count, len(used))).astype(int)]]
+def _sample(mesh: Mesh, count: int = 16) -> Vector:
+    """Places on a mesh: of vertices and face centres each ``count`` throughout, and the centres of
+    the largest faces."""
+    corners = mesh.triangles()
+    corners = corners.vertices[corners.faces]
+    largest = np.argsort(-np.linalg.norm(_cross(corners), axis=1), kind="stable")[:count]
+    even = np.linspace(0, len(corners) - 1, min(count, len(corners))).astype(int)
+    chosen = np.concatenate([largest, even])
+    return np.concatenate([corners[even, 0], corners[chosen].mean(axis=1)])
 
 
 def _touching(one: Mesh, other: Mesh) -> bool:
     """Whether faces of both lie on each other: on one plane, with a common part of it."""
     corners = [m.vertices[m.faces] for m in (one.triangles(), other.triangles())]
-    low = np.maximum(*(c.min(axis=(0, 1)) for c in corners)) - BESIDE
-    high = np.minimum(*(c.max(axis=(0, 1)) for c in corners)) + BESIDE
+    low = np.max([c.min(axis=(0, 1)) for c in corners], axis=0) - BESIDE
+    high = np.min([c.max(axis=(0, 1)) for c in corners], axis=0) + BESIDE
     near = [c[((c.max(axis=1) >= low) & (c.min(axis=1) <= high)).all(axis=1)] for c in corners]
     if not all(map(len, near)):
         return False
@@ -130,10 +137,10 @@ def _touching(one: Mesh, other: Mesh) -> bool:
         if not left.any():
             return False
         plane = planes[0][np.where(left, size, 0.0).argmax()]
-        on = [np.abs(p - plane).max(axis=1) <= 2 * BESIDE for p in planes]
-        if _sharing(*(c[o] for c, o in zip(near, on, strict=True)), plane[:3]):
+        these, those = (np.abs(p - plane).max(axis=1) <= 2 * BESIDE for p in planes)
+        if _sharing(near[0][these], near[1][those], plane[:3]):
             return True
-        left &= ~on[0]
+        left &= ~these
     return False
 
 
@@ -163,7 +170,7 @@ def _sharing(one: Vector, other: Vector, normal: Vector) -> bool:
         return False
     axes = np.linalg.svd(normal[None, :])[2][1:]
     flat = [c @ axes.T for c in (one, other)]
-    low = np.minimum(*(f.min(axis=(0, 1)) for f in flat))
-    size = np.maximum(*(f.max(axis=(0, 1)) for f in flat)) - low
+    low = np.min([f.min(axis=(0, 1)) for f in flat], axis=0)
+    size = np.max([f.max(axis=(0, 1)) for f in flat], axis=0) - low
     covered = [np.minimum(coverage((f - low) / size, CELLS, CELLS), 1.0) for f in flat]
     return bool((covered[0] + covered[1] > 1.001).any())

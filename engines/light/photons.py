@@ -21,13 +21,13 @@ Float, UInt32, Bool = mi.Float, mi.UInt32, mi.Bool
 LANDED, ABSORBED, ESCAPED, CUT_OFF = FATES.values()
 DIRECT, CAUSTIC, INDIRECT = ROUTES.values()
 SURFACE, DIELECTRIC = KINDS.index("surface"), KINDS.index("dielectric")
-ROULETTE_FROM = 32
+ROULETTE = range(32, 54)
+"""Bounces at which chance decides: ten photons become one of ten times the weight, and no more;
+light that glass traps would else end in ever fewer, ever heavier photons."""
 SURVIVAL = 0.9
 LONGEST = 512
 NEAR = 2.0
 """Times the largest coordinate: the corner of a cube is √3 away."""
-LAMP = 0xFFFFFFFE
-"""Where a photon comes from that has met nothing yet."""
 
 
 def step_at(place: Any) -> Any:
@@ -40,9 +40,10 @@ def step_at(place: Any) -> Any:
 class Photon:
     """The state that travels through the loop, a photon a lane.
 
-    ``last`` is what it met last: the number of a plane, MESH or, at first, LAMP. ``inside`` has a
-    bit for each medium that the photon is in, lowest first; ``band`` is its place among the
-    wavelengths, or () where there is one.
+    ``slack`` is how far in mm behind it a plane may lie that it still meets, and ``left`` the
+    number of the plane that returned it, or MESH. ``inside`` has a bit for each medium that the
+    photon is in, lowest first; ``band`` is its place among the wavelengths, or () where there is
+    one.
     """
 
     origin: Any
@@ -50,7 +51,8 @@ class Photon:
     weight: Any
     active: Any
     bounces: Any
-    last: Any
+    slack: Any
+    left: Any
     route: Any
     fate: Any
     texel: Any
@@ -77,7 +79,9 @@ def trace_batch(
         weight=weight,
         active=weight > 0,
         bounces=dr.zeros(UInt32, count),
-        last=dr.full(UInt32, LAMP, count),
+        # A lamp may be let into a plane, as in a ceiling.
+        slack=-2 * step_at(origin),
+        left=dr.full(UInt32, MESH, count),
         route=dr.full(UInt32, DIRECT, count),
         fate=dr.full(UInt32, ESCAPED, count),
         texel=dr.full(UInt32, NOWHERE, count),
@@ -105,19 +109,16 @@ def _near(origin: Any, direction: Any, stage: Stage) -> Any:
 def _step(p: Photon, stage: Stage) -> Photon:
     """From one surface to the next."""
     nearest = Met(Float(dr.inf), UInt32(NOWHERE), Float(0), mi.Vector3f(0, 0, 1), UInt32(MESH))
-    slack = 2 * step_at(p.origin)
-    # A photon that has just left glass on a plane may stand a step behind it; a lamp may be let
-    # into one, as in a ceiling; and what a plane returns cannot meet it again at once.
-    behind = dr.select(p.last == LAMP, -slack, slack)
     for plane in stage.planes:
-        met = plane.meet(p.origin, p.direction, behind)
-        nearer = (met.distance < nearest.distance) & (met.plane != p.last)
+        met = plane.meet(p.origin, p.direction, p.slack)
+        nearer = (met.distance < nearest.distance) & (met.plane != p.left)
         nearest = dr.select(nearer, met, nearest)
     if stage.scene is None:
         return _roulette(_land(p, p.active & dr.isfinite(nearest.distance), nearest, stage))
 
     # Glass that lies on a plane comes before it.
-    ray = mi.Ray3f(p.origin, p.direction, nearest.distance + slack, 0.0, [])
+    reach = nearest.distance + 2 * step_at(p.origin)
+    ray = mi.Ray3f(p.origin, p.direction, reach, 0.0, [])
     hit = stage.scene.ray_intersect_preliminary(ray, coherent=False, active=p.active)
     met = p.active & hit.is_valid()
     on_plane = p.active & ~met & dr.isfinite(nearest.distance)
@@ -163,7 +164,8 @@ def _land(p: Photon, landing: Any, met: Met, stage: Stage) -> Photon:
         light=light,
         route=route,
         bounces=p.bounces + 1,
-        last=met.plane,
+        slack=Float(0),
+        left=met.plane,
         fate=dr.select(landing & ~going, fate, p.fate),
         texel=dr.select(gathers, met.texel, p.texel),
         active=going,
@@ -252,7 +254,8 @@ def _scatter(p: Photon, stage: Stage, hit: Any, met: Any) -> Photon:
         outcome = dr.select(of_kind, surfaces.SCATTER[name](meeting), outcome)
 
     absorbed = met & (outcome.absorbed | taken)
-    # Leave the surface by a few float32 steps to the side where the photon goes on.
+    # Leave the surface by a few float32 steps to the side where the photon goes on. Outside of a
+    # body on a plane that may be behind the plane.
     place = p.origin + hit.t * p.direction
     place += dr.select(outside == outcome.through, -1, 1) * step_at(place) * flat
     seen = dr.select(bare, p.route, dr.maximum(p.route, UInt32(CAUSTIC)))
@@ -264,7 +267,8 @@ def _scatter(p: Photon, stage: Stage, hit: Any, met: Any) -> Photon:
         route=dr.select(outcome.matte, UInt32(INDIRECT), seen),
         inside=dr.select(outcome.through, beyond, here),
         bounces=p.bounces + 1,
-        last=UInt32(MESH),
+        slack=dr.select(outside != outcome.through, 2 * step_at(place), 0),
+        left=UInt32(MESH),
         active=met & ~absorbed,
         light=outcome.light,
     )
@@ -272,9 +276,10 @@ def _scatter(p: Photon, stage: Stage, hit: Any, met: Any) -> Photon:
 
 def _roulette(p: Photon) -> Photon:
     """End long paths by chance, without bias: survivors carry on for those that end."""
-    late = p.active & (p.bounces >= ROULETTE_FROM)
-    lost = late & ((p.random.next_float32(late) >= SURVIVAL) | (p.bounces >= LONGEST))
+    late = p.active & (p.bounces >= ROULETTE.start) & (p.bounces < ROULETTE.stop)
+    lost = late & (p.random.next_float32(late) >= SURVIVAL)
     spared = late & ~lost
+    lost |= p.active & (p.bounces >= LONGEST)
     gain = dr.select(spared, p.weight * (1 / SURVIVAL - 1), 0)
     return replace(
         p,

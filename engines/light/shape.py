@@ -1,4 +1,4 @@
-"""What a lamp looks like in a viewport, and which receiver a flat mesh is."""
+"""What a lamp looks like in a viewport, and which receiver a mesh is."""
 
 from dataclasses import replace
 
@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import SceneError
-from ..core.scene import Lamp, Luminaire, Mesh, Plane, Receiver, Vector
+from ..core.meshes import Textured
+from ..core.scene import Lamp, Luminaire, Mesh, Plane, Receiver, Surface, Vector
 from .luminaires import Source, source
 from .photometry import beam_angle
 
@@ -147,6 +148,39 @@ def plane_mesh(plane: Plane) -> tuple[Mesh, NDArray[np.float32]]:
     return Mesh(corners, np.arange(4, dtype=np.int32)[None]), square
 
 
+class NoRectangle(SceneError):
+    """A surface that no `Receiver` can be."""
+
+
+def receiver_of(name: str, found: Textured, plane: Plane) -> Receiver | Surface:
+    """The receiver that a mesh in the world is, of the resolution, sides and reflectance given.
+
+    A flat rectangle that its texture coordinates span is one, everything else is a surface. Raises
+    SceneError, naming it, where a rectangle is mirrored against its texture coordinates.
+    """
+    found = found.triangles()
+    mesh, texture = Mesh(found.mesh.vertices, found.mesh.faces), found.texture
+    assert texture is not None
+    kept = {"sides": plane.sides, "reflectance": plane.reflectance}
+    corners = mesh.vertices[mesh.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    if _is_flat(normals):
+        try:
+            flat = corners.reshape(-1, 3), texture.reshape(-1, 2), normals.sum(axis=0)
+            return replace(rectangle_receiver(name, *flat, plane.resolution), **kept)
+        except NoRectangle:
+            pass
+    return Surface(name, mesh, texture, plane.resolution, plane.resolution, **kept)
+
+
+def _is_flat(normals: Vector) -> bool:
+    """Whether all faces look one way, roughly: enough to be worth a closer look."""
+    mean = normals.sum(axis=0)
+    along = normals @ mean
+    lengths = np.sqrt((normals * normals).sum(axis=1) * (mean @ mean))
+    return bool((along >= 0.99 * lengths).all())
+
+
 def rectangle_receiver(
     name: str, corners: Vector, texture: Vector, normal: Vector, resolution: int
 ) -> Receiver:
@@ -156,8 +190,8 @@ def rectangle_receiver(
     which must span 0..1 over the rectangle; ``normal`` (3,) is the side its faces look to, of any
     length. ``resolution`` texels go along the longer side.
 
-    Raises SceneError, naming the receiver, when the surface is no rectangle, is not spanned by its
-    texture coordinates, or is mirrored against them.
+    Raises NoRectangle, naming the receiver, when the surface is no rectangle or is not spanned by
+    its texture coordinates, SceneError when it is mirrored against them.
     """
     frame = np.column_stack([np.ones(len(corners)), texture])
     solved, _, rank, _ = np.linalg.lstsq(frame, corners, rcond=None)
@@ -166,13 +200,13 @@ def rectangle_receiver(
     slack = _CLOSE * max(sizes.max(), np.finfo(float).tiny)
     spread = np.concatenate([texture.min(axis=0), texture.max(axis=0)])
     if rank < 3 or not np.allclose(spread, [0, 0, 1, 1], atol=_CLOSE):
-        raise SceneError(
+        raise NoRectangle(
             f"Receiver “{name}” needs a UV map that spans the whole picture once; "
             "reset it with UV › Reset in Edit Mode."
         )
     flat = np.abs(frame @ solved - corners).max() <= slack
     if not flat or sizes.min() <= slack or abs(u @ v) > _CLOSE * sizes.prod():
-        raise SceneError(
+        raise NoRectangle(
             f"Receiver “{name}” is not one flat rectangle; use a plane, or Add Receiver."
         )
     if np.cross(u, v) @ normal < 0:

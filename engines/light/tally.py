@@ -37,13 +37,14 @@ class Landing(NamedTuple):
 class Tally:
     """Sums in float64 over all photons so far; their memory does not grow with the photons.
 
-    Every photon counts with the whole flux that it stands for: `per_photon` makes lm of a sum.
-    ``routes`` (3, T) are Σw a texel by ROUTES, ``square`` (T,) is Σw² of the photons counted, those
-    of direct light only where ``everything`` is traced. ``colour`` (2, T) are Σw of X and Z, where
-    Σw is Y, if ``bands`` (K, 4) say what a photon's wavelength weighs (`spectrum.Bands.table`).
-    There each photon counts with the lumens of its wavelength in everything else too. ``flux`` is Σw by FATES, with what roulette gave taken off ``cut_off``,
-    ``traced`` is Σw at the start, ``unaimed`` Σw of direct light that landed without being counted.
-    ``batches`` is how many were added: the next one's random numbers follow from it.
+    Every photon counts with the whole flux that it stands for, in colour with the lumens of its
+    wavelength: `per_photon` makes lm of a sum. ``routes`` (3, T) are Σw a texel by ROUTES,
+    ``square`` (T,) is Σw² of the photons counted, those of direct light only where ``everything``
+    is traced. ``colour`` (2, T) are Σw of X and Z, where Σw is Y, if ``bands`` (K, 4) say what a
+    photon's wavelength weighs (`spectrum.Bands.table`). ``flux`` is Σw by FATES, with what roulette
+    gave taken off ``cut_off``, ``traced`` is Σw at the start, ``unaimed`` Σw of direct light that
+    landed without being counted. ``batches`` is how many were added: the next one's random numbers
+    follow from it.
     """
 
     texels: int

@@ -84,7 +84,7 @@ def _charted(
     edges = _shared_edges(points)
     unit = cross / np.sqrt((cross * cross).sum(axis=1))[:, None]
     bent = (unit[edges[:, 0] // 3] * unit[edges[:, 1] // 3]).sum(axis=1) < _CORNER
-    edges = edges[~bent]
+    edges = edges[~bent | (polygon[edges[:, 0] // 3] == polygon[edges[:, 1] // 3])]
     axis = _axes(cross, edges, polygon)
     chart = _parts(axis, edges)
     depth = corners.mean(axis=1)[np.arange(len(axis)), axis % 3]
@@ -121,7 +121,7 @@ def _shared_edges(faces: Indices) -> Indices:
 def _axes(cross: Vector, edges: Indices, polygon: Indices) -> Indices:
     """Which of X, Y, Z, −X, −Y, −Z (0 to 5) each face looks along, neighbours alike.
 
-    The triangles of a polygon look along the same, where there is one that is steep for none.
+    The triangles of a polygon look along the same, where there is one that none looks away from.
     """
     count = len(cross)
     joins = sparse.coo_array((np.ones(len(edges)), tuple(edges.T // 3)), shape=(count, count))
@@ -132,13 +132,16 @@ def _axes(cross: Vector, edges: Indices, polygon: Indices) -> Indices:
     # A hair's preference, or else the two halves of a square at 45° may look different ways.
     along = np.concatenate([smooth, -smooth], axis=1) * (1.0 + 1e-6 * np.arange(6)[::-1])
     own = np.concatenate([cross, -cross], axis=1)
-    steep = own < _STEEPEST * np.sqrt((cross * cross).sum(axis=1))[:, None]
-    along = np.where(steep, -np.inf, along)
+    length = np.sqrt((cross * cross).sum(axis=1))[:, None]
+    chosen = np.where(own < _STEEPEST * length, -np.inf, along)
     if polygon.max() + 1 == count:
-        return along.argmax(axis=1)
-    together = np.stack([np.bincount(polygon, part) for part in along.T], axis=1)[polygon]
-    possible = np.isfinite(together).any(axis=1)
-    return np.where(possible[:, None], together, along).argmax(axis=1)
+        return chosen.argmax(axis=1)
+    for steepest in (_CORNER, _STEEPEST):
+        shared = np.where(own < steepest * length, -np.inf, along)
+        shared = np.stack([np.bincount(polygon, part) for part in shared.T], axis=1)[polygon]
+        possible = np.isfinite(shared).any(axis=1)
+        chosen = np.where(possible[:, None], shared, chosen)
+    return chosen.argmax(axis=1)
 
 
 def _parts(label: Indices, edges: Indices) -> Indices:

@@ -9,6 +9,7 @@ import time
 
 import bpy
 import pytest
+from heliform.addon.bridge import results
 from heliform.addon.command import find_study, main
 from heliform.engines.core import doctor
 
@@ -81,9 +82,39 @@ def test_set_and_no_blend(study, tmp_path, capsys):
     assert not (out / "scene.blend").exists()
 
 
+def test_refine_adds_photons_to_an_earlier_result(study, tmp_path, capsys):
+    first, second = tmp_path / 'first "ä"', tmp_path / "second"
+    run = ["run", str(study), "--set", "parameters.keep_sums=true"]
+    assert main([*run, "--out", str(first), "--no-blend"]) == 0
+    more = ["--refine", str(first), "--set", "parameters.landed=8000"]
+    assert main([*run, "--out", str(second), *more]) == 0
+    kept = [
+        json.loads((out / "result.json").read_text(encoding="utf-8"))["figures"]["photons_emitted"]
+        for out in (first, second)
+    ]
+    assert kept[1]["value"] > 2 * kept[0]["value"]
+    assert (second / "scene.blend").is_file()
+
+
+def test_a_study_of_several_receivers_is_staged_on_all_of_them(study, tmp_path):
+    with study.open("a", encoding="utf-8") as file:
+        file.write('[receivers.Wall]\nmesh = "wall.obj"\nresolution = 32\nsides = "both"\n')
+        file.write("at = [0.3, 0.0, 0.0]\nturn = [0.0, -90.0, 0.0]\n")
+    (tmp_path / "wall.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0.1\nf 1 2 3\n")
+    out = tmp_path / "out"
+    assert main(["run", str(study), "--out", str(out)]) == 0
+    bpy.ops.wm.open_mainfile(filepath=str(out / "scene.blend"))
+    scene = bpy.context.scene
+    assert [results.name_of(p) for p in results.results_of(scene)] == [
+        "Floor", "Wall (front)", "Wall (back)"
+    ]  # fmt: skip
+    assert bpy.data.objects["Wall"].heliform.plane.sides == "both"
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
+        (["--refine", "nowhere"], "There is no result"),
         (["--set", "parameters.photns=3"], "has no key “photns”"),
         (["--set", "parameters.landed=many"], "should be a whole number"),
     ],

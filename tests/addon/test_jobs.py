@@ -10,10 +10,11 @@ import bpy
 import numpy as np
 import pytest
 from heliform.addon import jobs
-from heliform.addon.bridge import stage
+from heliform.addon.bridge import results
+from heliform.addon.bridge.read import read_scene
 from heliform.engines import light
 from heliform.engines.core.client import Ended
-from heliform.engines.light import IrradianceMap
+from heliform.engines.light import Irradiance
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -49,7 +50,7 @@ def test_the_result_comes_back_as_packed_images_that_survive_saving(ball, scene,
     assert bpy.ops.heliform.trace_photons() == {"FINISHED"}
     picture = scene.heliform.shown
     (folder,) = tmp_path.iterdir()
-    result = IrradianceMap.load(folder)
+    (result,) = Irradiance.load(folder).maps
     assert picture.name == "Vase ä/1 false colour"
     assert picture.colorspace_settings.name == "sRGB"
     assert json.loads((folder / "result.json").read_text(encoding="utf-8"))["figures"]
@@ -61,7 +62,7 @@ def test_the_result_comes_back_as_packed_images_that_survive_saving(ball, scene,
     assert image.is_float
     assert image.colorspace_settings.name == "Non-Color"
     np.testing.assert_array_equal(values(image)[..., 1], result.illuminance)
-    kept = stage.staged(bpy.context.scene.heliform.shown)
+    kept = results.staged(bpy.context.scene.heliform.shown)
     for name in ("caustic", "lower", "upper", "half_width"):
         np.testing.assert_array_equal(getattr(kept, name), getattr(result, name))
     assert kept.meta["receiver"] == "Vase ä/1"
@@ -185,6 +186,120 @@ def test_a_receiver_deleted_meanwhile_is_said(ball, tmp_path):
     bpy.data.objects.remove(ball)
     with pytest.raises(jobs.SceneError, match="“Vase ä/1” was deleted"):
         jobs._conclude(task, ended)
+
+
+@pytest.fixture
+def vessel(ball):
+    """An open cylinder without a UV map around the ball, gathering on both sides."""
+    bpy.ops.mesh.primitive_cylinder_add(
+        radius=0.15, depth=0.2, location=(0, 0, 0.11), end_fill_type="NOTHING"
+    )
+    obj = bpy.context.object
+    obj.name = "Cylinder"
+    obj.data.uv_layers.remove(obj.data.uv_layers[0])
+    obj.data.update()
+    obj.heliform.role = "RECEIVER"
+    obj.heliform.plane.sides, obj.heliform.plane.resolution = "both", 32
+    obj.heliform.plane.reflectance = 0.5
+    return obj
+
+
+def test_each_receiver_and_side_gets_its_picture(vessel, ball, scene, tmp_path):
+    assert bpy.ops.heliform.trace_photons() == {"FINISHED"}
+    pictures = results.results_of(scene)
+    assert [results.name_of(p) for p in pictures] == [
+        "Cylinder (front)", "Cylinder (back)", "Vase ä/1"
+    ]  # fmt: skip
+    assert scene.heliform.shown == pictures[1]  # the lit side of the active receiver
+    notes = results.meta_of(pictures[2])["notes"]
+    assert any("“Cylinder” had no UV map" in note for note in notes)
+    (folder,) = tmp_path.iterdir()
+    loaded = Irradiance.load(folder)
+    for picture, one in zip(pictures, loaded.maps, strict=True):
+        np.testing.assert_array_equal(results.staged(picture).illuminance, one.illuminance)
+    bpy.context.view_layer.objects.active = ball
+    bpy.ops.heliform.trace_photons()
+    assert scene.heliform.shown == pictures[2]
+    bpy.context.view_layer.objects.active = None
+    bpy.ops.heliform.trace_photons()
+    assert scene.heliform.shown == pictures[2]  # as it was
+
+
+def test_the_rest_is_staged_where_one_receiver_was_deleted(vessel, ball, scene, tmp_path):
+    task, ended = finished(ball, tmp_path)
+    bpy.data.objects.remove(vessel)
+    jobs._conclude(task, ended)
+    (picture,) = results.results_of(scene)
+    assert any("“Cylinder” was deleted" in n for n in results.meta_of(picture)["notes"])
+
+
+def photons(scene):
+    return results.meta_of(scene.heliform.shown)["photons"]["emitted"]
+
+
+def test_photons_are_added_to_what_there_is(ball, scene, tmp_path):
+    bpy.data.objects["Lamp"].heliform.lamp.source = "ies"
+    bpy.ops.heliform.trace_photons()
+    before = photons(scene)
+    first = results.staged(scene.heliform.shown).half_width.mean()
+    scene.heliform.photon_tracing.landed = 100_000
+    assert bpy.ops.heliform.refine_photons() == {"FINISHED"}
+    assert photons(scene) > 2 * before
+    assert results.staged(scene.heliform.shown).half_width.mean() < first
+    assert len(list(tmp_path.iterdir())) == 2
+    whole = results.staged(scene.heliform.shown).caustic
+    bpy.ops.heliform.trace_photons()
+    again = results.staged(scene.heliform.shown).caustic
+    assert again.sum() == pytest.approx(whole.sum(), rel=0.05)
+
+
+def test_what_has_changed_cannot_be_refined_and_stays_as_it_was(ball, scene):
+    bpy.ops.heliform.trace_photons()
+    before = values(scene.heliform.shown)
+    bpy.data.objects["Lamp"].location.x += 0.01
+    with pytest.raises(RuntimeError, match="has changed since it was traced; trace it anew"):
+        bpy.ops.heliform.refine_photons()
+    np.testing.assert_array_equal(values(scene.heliform.shown), before)
+
+
+def test_a_cancelled_refine_leaves_the_earlier_result_alone(ball, scene, tmp_path):
+    bpy.ops.heliform.trace_photons()
+    (folder,) = tmp_path.iterdir()
+    kept = {p.name: p.read_bytes() for p in folder.iterdir()}
+    before = values(scene.heliform.shown)
+    scene.heliform.photon_tracing.until = "time"
+    scene.heliform.photon_tracing.seconds = 20.0
+    presser = threading.Thread(target=interrupt_once_running, args=(time.monotonic() + 15,))
+    presser.start()
+    assert bpy.ops.heliform.refine_photons() == {"CANCELLED"}
+    presser.join()
+    assert {p.name: p.read_bytes() for p in folder.iterdir()} == kept
+    assert list(tmp_path.iterdir()) == [folder]
+    np.testing.assert_array_equal(values(scene.heliform.shown), before)
+    scene.heliform.photon_tracing.until = "landed"
+    scene.heliform.photon_tracing.landed = 40_000
+    assert bpy.ops.heliform.refine_photons() == {"FINISHED"}
+
+
+def test_without_sums_nothing_can_be_added(ball, scene, tmp_path):
+    bpy.ops.heliform.trace_photons()
+    (folder,) = tmp_path.iterdir()
+    (folder / "sums.npz").unlink()
+    assert not bpy.ops.heliform.refine_photons.poll()
+
+
+def test_export_and_load_bring_a_mesh_back(vessel, ball, scene, tmp_path, seen):
+    bpy.ops.heliform.export_study(directory=str(tmp_path))
+    before = seen().receivers[0]
+    (study,) = tmp_path.glob("*/study.toml")
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert bpy.ops.heliform.load_study(filepath=str(study)) == {"FINISHED"}
+    scene = bpy.context.scene
+    after = read_scene(scene, bpy.context.evaluated_depsgraph_get()).receivers[0]
+    assert (after.name, after.columns, after.rows) == ("Cylinder", 32, 32)
+    assert (after.sides, after.reflectance) == ("both", 0.5)
+    assert after.mesh.vertices == pytest.approx(before.mesh.vertices, abs=1e-6)
+    np.testing.assert_array_equal(after.texture, before.texture)
 
 
 def test_export_and_load_bring_the_scene_back(ball, scene, tmp_path):

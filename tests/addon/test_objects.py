@@ -177,7 +177,9 @@ def test_marking_says_what_cannot_be_a_receiver():
     obj = bpy.context.object
     bpy.ops.heliform.mark_as(role="BODY", kind="mirror")
     assert (obj.heliform.role, obj.heliform.material.kind) == ("BODY", "mirror")
-    with pytest.raises(RuntimeError, match="Receiver “Cube”"):
+    obj.data.uv_layers.active.uv.foreach_set("vector", [0, 0, 1, 0, 1, 1, 0, 1] * 6)
+    obj.data.update()
+    with pytest.raises(RuntimeError, match="Receiver “Cube” has overlapping UVs"):
         bpy.ops.heliform.mark_as(role="RECEIVER")
     assert obj.heliform.role == "BODY"
     bpy.ops.mesh.primitive_plane_add()

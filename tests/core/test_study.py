@@ -1,6 +1,8 @@
 """Study files: what they say is what is run; what they say wrong is named."""
 
 import json
+import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,11 +17,13 @@ from heliform.engines.core.scene import (
     Mesh,
     Plane,
     Scene,
+    Surface,
     plane_receiver,
 )
 from heliform.engines.core.study import load_study, save_study
-from heliform.engines.light import TRACE_PHOTONS, IrradianceMap, PhotonTracing
+from heliform.engines.light import TRACE_PHOTONS, Irradiance, PhotonTracing, atlas
 from heliform.engines.light.luminaires import source
+from heliform.engines.light.unwrap import unwrap
 from light import scenes
 
 SMALL = """
@@ -174,6 +178,168 @@ def test_a_saved_scene_reads_back_as_it_was(tmp_path):
     assert (one.columns, one.rows) == (other.columns, other.rows)
 
 
+def vessel(columns=32, rows=32):
+    """An unwrapped sphere that gathers and reflects on both sides."""
+    mesh = Mesh(scenes.sphere(0.1, 2).vertices, scenes.sphere(0.1, 2).faces)
+    return Surface("Vase ä/1", mesh, unwrap(mesh, columns), columns, rows, "both", 0.4)
+
+
+def test_receivers_of_any_mesh_read_back_identical(tmp_path):
+    plane = Plane(width=0.4, length=0.3, sides="both", reflectance=0.25)
+    receivers = vessel(), plane_receiver("Plane", plane, scenes.at(z=-1)), vessel(32, 16)
+    receivers = (*receivers[:2], replace(receivers[2], name="Vase ä.1"))
+    path = save_study(
+        tmp_path / "s", "T", Scene((), (), receivers), TRACE_PHOTONS, PhotonTracing(), 0
+    )
+    for saved, read in zip(receivers, load_study(path).cases[0].scene.receivers, strict=True):
+        for name in ("name", "columns", "rows", "sides", "reflectance"):
+            assert getattr(read, name) == getattr(saved, name)
+        if isinstance(saved, Surface):
+            np.testing.assert_array_equal(read.mesh.vertices, saved.mesh.vertices)
+            np.testing.assert_array_equal(read.mesh.faces, saved.mesh.faces)
+            np.testing.assert_array_equal(read.texture, saved.texture)
+
+
+WALL = """
+analysis = "light.trace"
+[receivers.Wall]
+mesh = "wall.obj"
+unit = "cm"
+resolution = 32
+sides = "both"
+at = [0.0, 0.0, 1.0]
+"""
+SQUARES = "v 0 0 0\nv 100 0 0\nv 100 100 0\nv 0 100 0\nv 0 0 100\nv 0 100 100\n"
+
+
+def wall(folder, faces, texture="", toml=WALL):
+    (folder / "wall.obj").write_text(SQUARES + texture + faces)
+    (folder / "wall.toml").write_text(toml)
+    return folder / "wall.toml"
+
+
+def test_a_receivers_mesh_is_unwrapped_where_its_file_has_no_map(tmp_path):
+    (found,) = load_study(wall(tmp_path, "f 1 2 3 4\nf 5 1 4 6\n")).cases[0].scene.receivers
+    assert (found.columns, found.rows, found.sides) == (32, 32, "both")
+    assert found.mesh.vertices.min(axis=0) == pytest.approx([0, 0, 1])
+    assert found.mesh.vertices.max(axis=0) == pytest.approx([1, 1, 2])
+    atlas.require_chart(found)
+
+
+def test_a_receivers_mesh_keeps_the_map_of_its_file(tmp_path):
+    texture = "vt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\nvt 1 0\nvt 1 1\n"
+    study = wall(tmp_path, "f 1/1 2/2 3/3 4/4\nf 5/2 1/5 4/6 6/3\n", texture)
+    (found,) = load_study(study).cases[0].scene.receivers
+    u, v = found.texture.reshape(-1, 2).T
+    x, y, z = found.mesh.vertices[found.mesh.faces].reshape(-1, 3).T
+    assert v == pytest.approx(y)
+    flat = np.repeat((found.mesh.vertices[found.mesh.faces][..., 2] == 1).all(axis=1), 3)
+    assert u[flat] == pytest.approx(x[flat] / 2)
+    assert u[~flat] == pytest.approx(1 - (z[~flat] - 1) / 2)
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("width = 2.0", "the size of its mesh; set scale, not width"),
+        ("reflectance = 2.0", "allowed is 0 to 1"),
+        ('sides = "all"', "front, both"),
+        ("texels = [4]", "should be 2 numbers"),
+        ("texels = [0, 4]", "at least 1"),
+        ('color = "red"', "has no key “color”"),
+    ],
+)
+def test_what_is_wrong_with_a_mesh_receiver_is_named(tmp_path, key, said):
+    toml = WALL.replace('sides = "both"', key)
+    with pytest.raises(HeliformError) as error:
+        load_study(wall(tmp_path, "f 1 2 3 4\n", toml=toml))
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_receiver_without_faces_or_area_is_named(tmp_path):
+    study = wall(tmp_path, "", toml=WALL.replace("wall.obj", "wall.npz"))
+    np.savez(tmp_path / "wall.npz", vertices=np.zeros((3, 3)), faces=np.zeros((0, 3), int))
+    with pytest.raises(HeliformError, match="Receiver “Wall” has no faces"):
+        load_study(study)
+    np.savez(tmp_path / "wall.npz", vertices=np.zeros((3, 3)), faces=np.array([[0, 1, 2]]))
+    with pytest.raises(HeliformError, match=r"Receiver “Wall”: .* without area"):
+        load_study(study)
+    np.savez(
+        tmp_path / "wall.npz",
+        vertices=np.eye(3),
+        faces=np.array([[0, 1, 2]]),
+        texture=np.zeros((3, 2)),
+    )
+    with pytest.raises(HeliformError, match="two coordinates for each corner"):
+        load_study(study)
+
+
+TILTED = "IESNA:LM-63-2002\nTILT={}\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n100 100\n"
+
+
+def test_a_lamps_tilt_file_goes_with_it(tmp_path):
+    lamps = []
+    for name, factor in (("a", 0.5), ("b", 0.25)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "lamp.ies").write_text(TILTED.format(r"C:\lamps\TILT.tlt"))
+        (tmp_path / name / "tilt.tlt").write_text(f"1\n2\n0 180\n{factor} {factor}\n")
+        lamps.append(Luminaire(name, Lamp(file=str(tmp_path / name / "lamp.ies")), scenes.at(z=1)))
+    scene = Scene((), tuple(lamps), (scenes.floor(1.0, 8),))
+    path = save_study(tmp_path / "out", "T", scene, TRACE_PHOTONS, PhotonTracing(), 0)
+    before = [source(lamp).flux for lamp in lamps]
+    for name in ("a", "b"):
+        shutil.rmtree(tmp_path / name)
+    shutil.move(path.parent, tmp_path / "elsewhere")
+    read = load_study(tmp_path / "elsewhere" / "study.toml").cases[0].scene.luminaires
+    assert [source(lamp).flux for lamp in read] == pytest.approx(before)
+    assert before[0] == pytest.approx(2 * before[1])
+
+
+def test_a_lamp_whose_tilt_file_is_missing_is_named(tmp_path):
+    (tmp_path / "lamp.ies").write_text(TILTED.format("tilt.tlt"))
+    lamp = Luminaire("L", Lamp(file=str(tmp_path / "lamp.ies")), scenes.at(z=1))
+    with pytest.raises(FileError, match="which is not beside it"):
+        save_study(tmp_path / "out", "T", Scene((), (lamp,)), TRACE_PHOTONS, PhotonTracing(), 0)
+
+
+def emitted(out):
+    figures = json.loads((out / "result.json").read_text(encoding="utf-8"))["figures"]
+    return figures["all.photons_emitted"]["value"]
+
+
+def test_a_study_goes_on_from_an_earlier_result(small, tmp_path):
+    kept = ["parameters.keep_sums=true"]
+    run_study(small, tmp_path / "first", settings=kept)
+    more = ["refine=first", "parameters.landed=60000"]
+    run_study(small, tmp_path / "second", settings=more)
+    assert emitted(tmp_path / "second") > 2 * emitted(tmp_path / "first")
+    assert (tmp_path / "second" / "all" / "sums.npz").is_file()
+    run_study(small, tmp_path / "second", settings=["refine=second", "parameters.landed=120000"])
+    assert emitted(tmp_path / "second") > 4 * emitted(tmp_path / "first")
+
+
+def test_what_cannot_be_gone_on_from_is_named_and_stays(small, tmp_path):
+    with pytest.raises(FileError, match="There is no result"):
+        load_study(small, settings=["refine=nowhere"])
+    run_study(small, tmp_path / "bare", quick=True)
+    with pytest.raises(FileError, match=r"no sums\.npz to go on from; trace anew with"):
+        load_study(small, settings=["refine=bare"])
+    run_study(small, tmp_path / "kept", quick=True, settings=["parameters.keep_sums=true"])
+    before = {p: p.read_bytes() for p in (tmp_path / "kept").rglob("*") if p.is_file()}
+    with pytest.raises(HeliformError, match="has changed since it was traced"):
+        run_study(small, tmp_path / "kept", seed=9, settings=["refine=kept"])
+
+    def stop(fraction, text):
+        if "landed" in text:
+            raise KeyboardInterrupt
+
+    endless = ["refine=kept", "parameters.landed=100000000"]
+    with pytest.raises(KeyboardInterrupt):
+        run_study(small, tmp_path / "kept", settings=endless, progress=stop)
+    assert {p: p.read_bytes() for p in (tmp_path / "kept").rglob("*") if p.is_file()} == before
+
+
 def test_lamps_with_files_of_the_same_name_keep_their_own(tmp_path):
     lamps = []
     for name, candela in (("a", 100), ("b", 200)):
@@ -205,10 +371,10 @@ def test_running_a_study_writes_its_results_and_they_load_back_equal(small, tmp_
     assert summary["figures"]["all.photons_landed"]["value"] >= 20000
     assert "uncertainty" in summary["figures"]["all.mean_illuminance"]
     assert any("direct light only" in note for note in summary["notes"])
-    result = IrradianceMap.load(out / "all")
+    result = Irradiance.load(out / "all")
     result.save(tmp_path)
-    again = IrradianceMap.load(tmp_path)
-    np.testing.assert_array_equal(again.illuminance, result.illuminance)
+    again = Irradiance.load(tmp_path)
+    np.testing.assert_array_equal(again.maps[0].illuminance, result.maps[0].illuminance)
     assert again.meta == result.meta
     assert again.meta["seed"] == 3
     page = (out / "report.html").read_text(encoding="utf-8")

@@ -11,9 +11,11 @@ from heliform.engines.core.scene import (
     Plane,
     Receiver,
     Scene,
+    Surface,
     plane_receiver,
 )
 from heliform.engines.light import IrradianceMap, PhotonTracing, trace
+from heliform.engines.light.unwrap import unwrap
 
 GLASS = Material(kind="dielectric", ior=1.5)
 
@@ -68,6 +70,34 @@ def sphere(radius, subdivisions=6) -> Mesh:
     made = trimesh.creation.icosphere(subdivisions, 1.0)
     points, faces = np.asarray(made.vertices), np.asarray(made.faces, np.int32)
     return Mesh(points * radius, faces, points[faces].astype(np.float32))
+
+
+def surface(mesh: Mesh, resolution: int, **more) -> Surface:
+    """A mesh that gathers, in a map of its own."""
+    mesh = mesh.triangles()
+    texture = unwrap(mesh, resolution)
+    return Surface(more.pop("name", "Surface"), mesh, texture, resolution, resolution, **more)
+
+
+def inward(mesh: Mesh) -> Mesh:
+    """The same mesh seen from inside."""
+    normals = None if mesh.normals is None else np.ascontiguousarray(-mesh.normals[:, ::-1])
+    return Mesh(mesh.vertices, np.ascontiguousarray(mesh.faces[:, ::-1]), normals)
+
+
+def room(side, resolution, **more) -> tuple[Receiver, ...]:
+    """The six walls of a cube about the origin, each gathering on its inner side."""
+    plane = Plane(width=side, length=side, resolution=resolution, **more)
+    axes = np.concatenate([np.eye(3), -np.eye(3)])
+    return tuple(
+        plane_receiver(f"Wall {k}", plane, at(*(axis * side / 2), axis=axis))
+        for k, axis in enumerate(axes)
+    )
+
+
+def point(lumens, x=0.0, y=0.0, z=0.0) -> Luminaire:
+    """An isotropic point."""
+    return Luminaire("Point", Lamp(source="point", flux=lumens), at(x, y, z))
 
 
 def glass(mesh: Mesh) -> Body:

@@ -16,7 +16,7 @@ import bpy
 sys.path.insert(0, str(Path(__file__).parent))
 import window
 
-DEMO, TRACE, CANCEL = (1165, 843), (1165, 478), (1264, 478)
+DEMO, TRACE, CANCEL = (1165, 843), (1165, 433), (1264, 433)
 """Where the buttons are in a window of 1600 × 1000, from its lower left."""
 SLACK = 0.3
 
