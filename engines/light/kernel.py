@@ -24,8 +24,9 @@ Layers = NDArray[np.float32]
 
 LADDER = 25.0 * 2.0 ** np.arange(13)
 """Counts of photons to choose from."""
-PILOT = 50.0
-"""The count of the first picture, which only weighs the errors of all others."""
+PILOT = 400.0
+"""The count of the first picture, which only weighs the errors of all others. Of fewer, its own
+photons would sway the choice."""
 NARROWEST, STEP = 0.5, 2**0.5
 """Standard deviation of the narrowest Gaussian in texels, and the ratio of one to the next."""
 WIDEST = 1 / 5
