@@ -12,9 +12,12 @@ HERE = Path(__file__).resolve().parent
 OUT = HERE.parent / "out" / "bench"
 
 
-def work(mesh: Path | int, size: int, runs: list[dict], cache: Path | None = None) -> dict:
+def work(
+    mesh: Path | int, size: int, runs: list[dict], cache: Path | None = None, lamp: str = ""
+) -> dict:
     """The figures of `_worker` for these runs; ``cache``, if named, is where kernels are kept."""
     job = {"mesh": mesh if isinstance(mesh, int) else str(mesh), "size": size, "runs": runs}
+    job["lamp"] = lamp
     job["spawned"] = time.time()
     environment = dict(os.environ) | ({"DRJIT_CACHE_DIR": str(cache)} if cache else {})
     command = [sys.executable, str(HERE / "_worker.py"), json.dumps(job)]

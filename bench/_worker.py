@@ -1,6 +1,7 @@
 """A fresh process that traces and says what each step cost: python _worker.py '{"runs": […]}'.
 
-The job is a JSON object: ``mesh`` a file or a number of faces, ``size`` texels a side, ``spawned``
+The job is a JSON object: ``mesh`` a file or a number of faces, ``lamp`` an IES file or "" for the
+sample, ``size`` texels a side, ``spawned``
 the time of day at which it was started, ``runs`` a list of PhotonTracing settings with ``seed`` and
 optionally ``filter`` ("none", or "smooth" for the smooth map) and ``out``, where the caustic map
 (lx) goes.
@@ -68,7 +69,7 @@ def main(job: dict) -> dict:
     of_faces = isinstance(job["mesh"], int)
     mesh = tube.tube(job["mesh"]) if of_faces else load_mesh(Path(job["mesh"]))
     loaded = time.perf_counter() - began
-    scene = tube.scene(mesh, job["size"])
+    scene = tube.scene(mesh, job["size"], lamp=job["lamp"])
     before = memory()
     return {
         "start": ready - job["spawned"],

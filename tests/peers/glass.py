@@ -80,9 +80,18 @@ def mirrored_alike(values: np.ndarray) -> list[np.ndarray]:
     return [values[::i, ::j] for i in (1, -1) for j in (1, -1)]
 
 
+def square_lamp(text: str) -> str:
+    """The sample lamp's file with a square opening instead of a round one.
+
+    Radiance's photon map emits a disk's light from the square of its area. A glass with flat faces
+    shows the opening's image, and there the two must be of one shape.
+    """
+    return text.replace("2 -0.05 -0.05 0", "2 0.05 0.05 0")
+
+
 GLASSES = {
-    "tube": (tube, turned_alike),
-    "plate": (plate, turned_alike),
-    "prism": (prism, mirrored_alike),
+    "tube": (tube, turned_alike, str),
+    "plate": (plate, turned_alike, square_lamp),
+    "prism": (prism, mirrored_alike, square_lamp),
 }
-"""Each glass's mesh, and the maps that are as likely as its own."""
+"""Each glass's mesh, the maps as likely as its own, and what becomes of the lamp's file."""

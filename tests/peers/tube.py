@@ -24,10 +24,10 @@ def receiver(size: int) -> Receiver:
     return scenes.floor(PLANE, size)
 
 
-def scene(mesh: Mesh, size: int, ior: float = IOR) -> Scene:
-    """The tube between the lamp and a plane of ``size`` × ``size`` texels."""
+def scene(mesh: Mesh, size: int, ior: float = IOR, lamp: str = "") -> Scene:
+    """The glass between the sample lamp, or that of an IES file, and the plane."""
     return scenes.scene(
         Body("Tube", mesh, Material(kind="dielectric", ior=ior)),
-        lamp=Luminaire("Lamp", Lamp(), scenes.at(z=LAMP)),
+        lamp=Luminaire("Lamp", Lamp(file=lamp), scenes.at(z=LAMP)),
         receiver=receiver(size),
     )
