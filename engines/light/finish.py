@@ -73,7 +73,7 @@ def _map(
     meta = {"quantity": "Illuminance", "unit": "lx", "receiver": side.receiver.name, **common}
     if side.receiver.sides == "both":
         meta["side"] = "back" if side.back else "front"
-    meta["size"] = _size(side)
+    meta["size"] = _size(side, float(area.sum()))
     chosen = illuminance, half_width, np.zeros(shape)
     if smooth and grid.charts[index] is None:
         found = kernel.smoothed(total, square)
@@ -104,9 +104,9 @@ def _map(
     return IrradianceMap(*(m.astype(np.float32) for m in fields), meta=meta)
 
 
-def _size(side: Side) -> list[float]:
-    """The sides of a plane in m; of a mesh's map, as if it were as large as the mesh."""
+def _size(side: Side, area: float) -> list[float]:
+    """The sides in m of a plane, or of a square as large as a mesh."""
     receiver = side.receiver
     if isinstance(receiver, Receiver):
         return [float(np.linalg.norm(e)) for e in (receiver.u, receiver.v)]
-    return [float(receiver.columns), float(receiver.rows)]
+    return [float(np.sqrt(area))] * 2

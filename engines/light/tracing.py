@@ -51,7 +51,7 @@ class PhotonTracing:
     fresnel: Literal["averaged", "polarised"] = param(
         "averaged",
         help="Reflectance averaged over polarisations at each surface as Radiance does, or exact "
-        "(about 6 % slower)",
+        "(6 to 8 % slower)",
     )
     direct: Literal["computed", "traced"] = param(
         "computed", help="Light that meets no body: closed form with shadow rays, or by photons too"
