@@ -80,6 +80,11 @@ class Grid:
             return sums
         return np.bincount(self.home, sums, sums.size)
 
+    def staying(self, lux: Sums) -> float:
+        """The flux in lm that the receivers take of an illuminance (T,)."""
+        lit = self.scale > 0
+        return float((lux[lit] / self.scale[lit]).sum())
+
 
 def grid_of(scene: Scene) -> Grid:
     """The texels of a scene.

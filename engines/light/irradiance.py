@@ -12,12 +12,11 @@ from ..core import exr
 from ..core.errors import FileError
 
 Map = NDArray[np.float32]
-LIGHT = (
-    *("illuminance", "direct", "caustic", "indirect", "half_width", "lower", "upper"),
-    *("smooth", "smooth_half_width", "smooth_bias"),
-)
 COLOURS = ("red", "green", "blue")
-MAPS = (*LIGHT, "area", *COLOURS)
+MAPS = (
+    *("illuminance", "direct", "caustic", "indirect", "half_width", "lower", "upper"),
+    *("smooth", "smooth_half_width", "smooth_bias", "area", *COLOURS),
+)
 SUMS = "sums.npz"
 
 

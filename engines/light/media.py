@@ -17,6 +17,7 @@ from ..core.scene import Body, Luminaire, Mesh, Vector
 from ..core.solid import encloses
 from . import spectrum
 from .clipping import coverage
+from .targets import MM
 
 MOST = 31
 """Transparent bodies in a scene: one bit each."""
@@ -69,7 +70,7 @@ def media_of(bodies: tuple[Body, ...], wavelengths: NDArray[np.floating] | None)
         ior = np.array(
             [np.ones(len(wavelengths)), *(spectrum.ior_at(m, wavelengths) for m in materials)]
         )
-    absorption = np.array([0.0, *(m.absorption / 1000.0 for m in materials)])
+    absorption = np.array([0.0, *(m.absorption / MM for m in materials)])
     return Media(rank, ior, absorption)
 
 

@@ -124,11 +124,14 @@ def _step(p: Photon, stage: Stage) -> Photon:
     on_plane = p.active & ~met & dr.isfinite(nearest.distance)
     p = replace(p, active=met | on_plane)
     landed = _land(p, on_plane, nearest, stage)
+    width = dr.width(hit.t)
+    row = dr.gather(mi.ArrayXf, stage.triangles, hit.prim_index, met, shape=(RECORD, width))
+    own = dr.gather(mi.ArrayXf, stage.owners, UInt32(row[12]), met, shape=(OWNER, width))
     if "surface" in stage.kinds:
-        found, surface = _surface(p, stage, hit, met)
+        found, surface = _surface(p, hit, row, own, met)
         landed = dr.select(found, _land(p, found, surface, stage), landed)
         met &= ~found
-    scattered = _scatter(p, stage, hit, met) if stage.kinds != {"surface"} else p
+    scattered = _scatter(p, stage, hit, row, own, met) if stage.kinds != {"surface"} else p
     return _roulette(dr.select(met, scattered, landed))
 
 
@@ -139,8 +142,7 @@ def _land(p: Photon, landing: Any, met: Met, stage: Stage) -> Photon:
     what arrives: independent counts, whatever was returned before (`tally.Tally.add`).
     """
     going = Bool(False)
-    inside = p.inside
-    absorbed = landing & _tinted(p, stage, met.distance, inside, landing)
+    absorbed = landing & _tinted(p, stage, met.distance, p.inside, landing)
     here = landing & ~absorbed
     direction, origin, light, route = p.direction, p.origin, p.light, p.route
     if "reflecting" in stage.features:
@@ -200,12 +202,8 @@ def _ior(stage: Stage, p: Photon, medium: Any, active: Any) -> Any:
     )
 
 
-def _surface(p: Photon, stage: Stage, hit: Any, met: Any) -> tuple[Any, Met]:
+def _surface(p: Photon, hit: Any, row: Any, own: Any, met: Any) -> tuple[Any, Met]:
     """Which photons met a receiver's mesh, and where."""
-    row = dr.gather(
-        mi.ArrayXf, stage.triangles, hit.prim_index, met, shape=(RECORD, dr.width(hit.t))
-    )
-    own = dr.gather(mi.ArrayXf, stage.owners, UInt32(row[12]), met, shape=(OWNER, dr.width(hit.t)))
     s, t = hit.prim_uv.x, hit.prim_uv.y
     u, v = (row[i] * (1 - s - t) + row[i + 2] * s + row[i + 4] * t for i in range(2))
     columns, rows, front, back = (dr.reinterpret_array(UInt32, own[i]) for i in range(3, 7))
@@ -216,12 +214,8 @@ def _surface(p: Photon, stage: Stage, hit: Any, met: Any) -> tuple[Any, Met]:
     return met & (own[0] == SURFACE), Met(hit.t, texel, own[2], normal, UInt32(MESH))
 
 
-def _scatter(p: Photon, stage: Stage, hit: Any, met: Any) -> Photon:
+def _scatter(p: Photon, stage: Stage, hit: Any, row: Any, own: Any, met: Any) -> Photon:
     """Reflect, refract or absorb the photons that met a body."""
-    row = dr.gather(
-        mi.ArrayXf, stage.triangles, hit.prim_index, met, shape=(RECORD, dr.width(hit.t))
-    )
-    own = dr.gather(mi.ArrayXf, stage.owners, UInt32(row[12]), met, shape=(OWNER, dr.width(hit.t)))
     s, t = hit.prim_uv.x, hit.prim_uv.y
     smooth = dr.normalize(
         mi.Vector3f(*(row[i] * (1 - s - t) + row[i + 3] * s + row[i + 6] * t for i in range(3)))

@@ -18,9 +18,8 @@ from ..core.scene import Body, Mesh, Receiver, Scene, Surface
 from ..core.solid import require_solid
 from . import aim
 from .media import Media, media_of
-from .targets import Plane, Side, first_texels, sides_of
+from .targets import MM, Plane, Side, first_texels, sides_of
 
-MM = 1000.0
 OFFSET_MM = 1e-3
 OFFSET_SHARE = 2e-6
 """A photon is set off a surface by the one and this share of its largest coordinate."""
@@ -42,7 +41,7 @@ class Stage:
 
     ``triangles`` holds RECORD floats for each triangle, ``owners`` OWNER numbers for each body and
     surface, ``ior`` and ``absorption`` what `Media` has by medium, ``bands`` wavelengths each.
-    ``planes`` are the flat receivers, ``sides`` the sides of all. ``reach`` is the largest
+    ``planes`` are the flat receivers. ``reach`` is the largest
     coordinate in mm, ``kinds`` which of KINDS occur, ``features`` whether anything is rough, tinted
     or a reflecting receiver. ``cover`` are balls in m around all that sends light on (`aim.cover`).
     """
@@ -55,7 +54,6 @@ class Stage:
     absorption: Any
     bands: int
     planes: tuple[Plane, ...]
-    sides: tuple[Side, ...]
     reach: float
     kinds: frozenset[str]
     features: frozenset[str]
@@ -105,7 +103,6 @@ def build(scene: Scene, wavelengths: NDArray[np.floating] | None = None) -> Stag
         absorption=mi.Float(media.absorption.astype(np.float32)),
         bands=media.ior.shape[1],
         planes=planes,
-        sides=sides,
         reach=reach,
         kinds=frozenset(_kinds(scene)),
         features=frozenset(_features(scene)),

@@ -14,6 +14,8 @@ from ..core import runtime
 from ..core.errors import SceneError
 from ..core.scene import Receiver, Scene, Surface
 
+MM = 1000.0
+"""Stage space is in millimetres, all else in metres."""
 MOST = 1 << 28
 """Texels of a scene."""
 NOWHERE = 0xFFFFFFFF
@@ -99,7 +101,7 @@ class Plane:
         def fixed(vector: NDArray[np.float64]) -> Any:
             return mi.Vector3f(*(dr.opaque(mi.Float, float(c)) for c in vector))
 
-        u, v = receiver.u * 1000.0, receiver.v * 1000.0
+        u, v = receiver.u * MM, receiver.v * MM
         self.number, self.receiver = number, receiver
         self.origin = mi.Point3f(fixed(origin))
         self.normal = fixed(receiver.normal)
