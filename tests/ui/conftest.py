@@ -14,6 +14,8 @@ ROOT = Path(__file__).resolve().parents[2]
 OLDEST = (5, 2)
 PLATFORM = {"linux": "linux-x64", "win32": "windows-x64", "darwin": "macos-arm64"}[sys.platform]
 
+HERE = Path(__file__).parent
+
 Blender = Callable[..., subprocess.CompletedProcess[str]]
 
 
@@ -43,6 +45,12 @@ def extension() -> Path:
 
 
 @pytest.fixture(scope="session")
+def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of this folder among the temporary files: a boxed-in Blender may see nothing else."""
+    return shutil.copytree(HERE, tmp_path_factory.mktemp("scripts") / HERE.name)
+
+
+@pytest.fixture(scope="session")
 def installed_blender(
     blender: str, extension: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> Blender:
@@ -65,5 +73,6 @@ def installed_blender(
         assert not check or done.returncode == 0, f"{done.stdout}\n{done.stderr}"
         return done
 
-    run("--command", "extension", "install-file", "-r", "user_default", "--enable", extension)
+    visible = shutil.copy(extension, user)
+    run("--command", "extension", "install-file", "-r", "user_default", "--enable", visible)
     return run

@@ -2,12 +2,10 @@
 
 import json
 import zipfile
-from pathlib import Path
 
 import pytest
 
 pytestmark = pytest.mark.ui
-SCRIPT = Path(__file__).with_name("use_installed.py")
 
 
 def test_the_zip_holds_what_ships_and_nothing_else(blender, extension):
@@ -21,9 +19,10 @@ def test_the_zip_holds_what_ships_and_nothing_else(blender, extension):
     assert not any("/numpy-" in name for name in wheels)
 
 
-def test_the_installed_extension_traces_its_demo(installed_blender, tmp_path):
+def test_the_installed_extension_traces_its_demo(installed_blender, scripts, tmp_path):
     file = tmp_path / "ein Test ä.blend"
-    script = ("--background", "--python-exit-code", "3", "--python", SCRIPT, "--", file)
+    use = scripts / "use_installed.py"
+    script = ("--background", "--python-exit-code", "3", "--python", use, "--", file)
     assert "picture: " in installed_blender(*script).stdout
     assert file.stat().st_size > 100_000
 

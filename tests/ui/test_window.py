@@ -1,17 +1,14 @@
 """The installed extension in a real window, driven by clicks."""
 
-from pathlib import Path
-
 import pytest
 
 pytestmark = pytest.mark.ui
-HERE = Path(__file__).parent
 GEOMETRY = ("--enable-event-simulate", "--window-geometry", "0", "0", "1600", "1000")
 
 
 @pytest.mark.parametrize("script", ["press.py", "trouble.py"])
-def test_a_person_in_the_window(installed_blender, tmp_path, script):
+def test_a_person_in_the_window(installed_blender, scripts, tmp_path, script):
     said = installed_blender(
-        *GEOMETRY, "--python", HERE / script, "--", tmp_path / "shots", timeout=240.0
+        *GEOMETRY, "--python", scripts / script, "--", tmp_path / "shots", timeout=240.0
     )
     print(said.stdout)
