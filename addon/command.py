@@ -110,8 +110,8 @@ def _run(options: argparse.Namespace) -> int:
         from .bridge.studies import stage_study
 
         with _quiet():
-            stage_study(study, out, out / "scene.blend", **given)
-        files = [*files, "scene.blend"]
+            staged = stage_study(study, out, out / "scene.blend", **given)
+        files = [*files, *(["scene.blend"] if staged else [])]
     print(f"Written into {out}:")
     for name in files:
         print(f"  {name:<28} {_size((out / name).stat().st_size)}")

@@ -5,7 +5,6 @@ Either way the scene is written as a study, the worker runs it, and the result i
 """
 
 import itertools
-import re
 import shutil
 import sys
 import tempfile
@@ -22,14 +21,13 @@ from ..engines.core.analysis import Analysis
 from ..engines.core.client import Ended, Job, Progressed, Worker
 from ..engines.core.colour import Display
 from ..engines.core.errors import Cancelled, HeliformError, SceneError, WorkerDied
+from ..engines.core.export import save_study
 from ..engines.core.files import safe_name
-from ..engines.core.scene import Scene
-from ..engines.core.study import save_study
-from .bridge import results, stage
-from .bridge.read import read_scene
-from .bridge.receivers import unwrap_receivers
+from .bridge.stage import show_in_views
 from .preferences import results_folder
-from .properties import read, scale_of
+from .properties import read
+from .rooms import staging_of
+from .staging import Gathered, Staging
 from .workers import new_worker
 
 PERIOD = 0.1
@@ -59,13 +57,14 @@ class _Task:
     """A job and what is to become of its result: uids, for names and pointers may change."""
 
     analysis: Analysis
+    staging: Staging
     label: str
     folder: Path
     out: Path
     scene: int
-    receivers: dict[str, int]
+    objects: dict[str, int]
     settings: tuple[str, ...]
-    notes: list[str]
+    notes: tuple[str, ...]
     job: Job | None = None
     forgotten: bool = False
 
@@ -143,42 +142,36 @@ def _prepare(
     context: bpy.types.Context, analysis: Analysis, label: str, settings: Sequence[str] = ()
 ) -> _Task:
     """Write the scene as a study, and say where its result belongs."""
-    scene = context.scene
-    notes = unwrap_receivers(context)
-    given = read_scene(scene, context.evaluated_depsgraph_get())
-    if not given.receivers:
-        raise SceneError("There is no receiver to trace onto; add one with Add Receiver.")
+    staging = staging_of(analysis)
+    assert staging, f"{analysis.name} has no staging"
+    given = staging.gather(context, analysis)
     folder = Path(tempfile.mkdtemp(prefix="job-", dir=bpy.app.tempdir))
     try:
-        export(scene, given, analysis, folder)
+        export(context.scene, given, analysis, folder)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
     return _Task(
         analysis=analysis,
+        staging=staging,
         label=label,
         folder=folder,
-        out=_new_folder(given.receivers[0].name),
-        scene=scene.session_uid,
-        receivers={r.name: scene.objects[r.name].session_uid for r in given.receivers},
+        out=_new_folder(given.name),
+        scene=context.scene.session_uid,
+        objects={name: obj.session_uid for name, obj in given.objects.items()},
         settings=tuple(settings),
-        notes=notes,
+        notes=given.notes,
     )
 
 
-def export(scene: bpy.types.Scene, given: Scene, analysis: Analysis, folder: Path) -> Path:
-    """Write a scene that was read as a study of ``analysis``. Raises FileError."""
+def export(scene: bpy.types.Scene, given: Gathered, analysis: Analysis, folder: Path) -> Path:
+    """Write what was gathered of a scene as a study of ``analysis``. Raises FileError."""
     title = Path(bpy.data.filepath).stem or scene.name
     settings = scene.heliform
     display = read(settings.display, Display)
-    asked = parameters(scene, analysis)
-    return save_study(folder, title, given, analysis, asked, settings.seed, display)
-
-
-def parameters(scene: bpy.types.Scene, analysis: Analysis) -> Any:
-    """The analysis's record as the scene holds it: PhotonTracing in ``photon_tracing``."""
-    name = re.sub(r"(?<!^)(?=[A-Z])", "_", analysis.record.__name__).lower()
-    return read(getattr(scene.heliform, name), analysis.record, scale_of(scene))
+    return save_study(
+        folder, title, given.scene, analysis, given.parameters, settings.seed, display
+    )
 
 
 def _new_folder(name: str) -> Path:
@@ -232,7 +225,7 @@ def _finish(task: _Task, ended: Ended) -> None:
         try:
             first = _conclude(task, ended)
             if first:
-                stage.show_in_views(bpy.context)
+                show_in_views(bpy.context)
             bpy.ops.ed.undo_push(message=task.label)
         except Cancelled:
             state.message = ""
@@ -252,41 +245,18 @@ def _conclude(task: _Task, ended: Ended) -> bool:
     out = result_of(ended)
     result = task.analysis.shows.load(out)
     scene = _by_uid(bpy.data.scenes, task.scene)
-    found = {name: _by_uid(bpy.data.objects, uid) for name, uid in task.receivers.items()}
-    receivers = {name: obj for name, obj in found.items() if obj}
-    if scene is None or not receivers:
-        raise SceneError(f"{_gone(found)}; the result lies in “{out}”.")
-    notes = [*task.notes, *([f"{_gone(found)}."] if len(receivers) < len(found) else [])]
-    for one in result.maps:
-        one.meta["folder"] = str(out)
-        one.meta["notes"] += notes
-    first = scene.heliform.shown is None
-    display = read(scene.heliform.display, Display)
-    pictures = stage.stage_irradiance(scene, receivers, result, display)
-    chosen = _foremost(scene, pictures)
-    scene.heliform.shown = chosen
-    stage.bring_forward(results.owner_of(chosen), results.side_of(chosen))
-    return first
+    found = {name: _by_uid(bpy.data.objects, uid) for name, uid in task.objects.items()}
+    objects = {name: obj for name, obj in found.items() if obj}
+    if scene is None or (found and not objects):
+        raise SceneError(f"{_gone(task, found)}; the result lies in “{out}”.")
+    lost = (f"{_gone(task, found)}.",) if len(objects) < len(found) else ()
+    return task.staging.stage(scene, objects, result, out, task.notes + lost)
 
 
-def _gone(found: dict[str, bpy.types.Object | None]) -> str:
+def _gone(task: _Task, found: dict[str, bpy.types.Object | None]) -> str:
     names = [f"“{name}”" for name, obj in found.items() if obj is None] or ["The scene"]
     were = "was" if len(names) == 1 else "were"
-    return f"{', '.join(names)} {were} deleted while the light was traced"
-
-
-def _foremost(scene: bpy.types.Scene, pictures: list[bpy.types.Image]) -> bpy.types.Image:
-    """The active receiver's, of its brighter side, else the one shown already or the first."""
-    active = bpy.context.object if bpy.context.scene == scene else None
-    shown = scene.heliform.shown
-    mine = [picture for picture in pictures if active and results.owner_of(picture) == active]
-    if shown in (mine or pictures):
-        return shown
-    return max(mine, key=_mean) if mine else pictures[0]
-
-
-def _mean(picture: bpy.types.Image) -> float:
-    return results.figures_of(picture)["mean_illuminance"]["value"]
+    return f"{', '.join(names)} {were} deleted while “{task.label}” ran"
 
 
 def _told(task: _Task, error: HeliformError) -> str:

@@ -7,6 +7,7 @@ degrees in a record.
 
 import functools
 import math
+import re
 import zlib
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
@@ -157,6 +158,16 @@ def _label(choice: str) -> str:
 
 
 # Between properties and records
+
+
+def group_name(record: type) -> str:
+    """Where a scene keeps its record of this type: PhotonTracing in ``photon_tracing``."""
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", record.__name__).lower()
+
+
+def parameters[R](scene: bpy.types.Scene, record: type[R]) -> R:
+    """The record of this type that ``scene`` holds."""
+    return read(getattr(scene.heliform, group_name(record)), record, scale_of(scene))
 
 
 def read[R](group: Any, record: type[R], scale: float = 1.0) -> R:

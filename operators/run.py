@@ -8,15 +8,13 @@ from bpy.props import StringProperty
 from bpy.types import Context, Event, Operator
 
 from ..addon import jobs
-from ..addon.bridge import results, studies
-from ..addon.bridge.read import read_scene
-from ..addon.bridge.receivers import unwrap_receivers
-from ..engines import light
+from ..addon.bridge import light, results, studies
 from ..engines.core import runtime
 from ..engines.core.analysis import Analysis
 from ..engines.core.errors import Cancelled, FileError, HeliformError
 from ..engines.core.files import safe_name
 from ..engines.core.study import load_study
+from ..engines.light import TRACE_PHOTONS
 from . import Reporting, in_object_mode
 
 
@@ -109,10 +107,9 @@ class HELIFORM_OT_export_study(Reporting, Operator):
         folder = Path(bpy.path.abspath(self.directory)) / f"{name} study"
         if folder.exists():
             raise FileError(f"“{folder}” is there already; choose another place, or delete it.")
-        notes = unwrap_receivers(context)
-        scene = read_scene(context.scene, context.evaluated_depsgraph_get())
-        path = jobs.export(context.scene, scene, light.TRACE_PHOTONS, folder)
-        return " ".join([f"The study is “{path}”.", *notes])
+        given = light.STAGING.gather(context, TRACE_PHOTONS)
+        path = jobs.export(context.scene, given, TRACE_PHOTONS, folder)
+        return " ".join([f"The study is “{path}”.", *given.notes])
 
 
 class HELIFORM_OT_load_study(Reporting, Operator):

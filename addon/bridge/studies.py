@@ -11,14 +11,15 @@ from mathutils import Matrix
 
 from ...engines.core.analysis import find_form
 from ...engines.core.files import safe_name, written
-from ...engines.core.parameters import from_table, to_table
+from ...engines.core.parameters import from_table, merged, to_table
 from ...engines.core.scene import Body, Lamp, Luminaire, Mesh, Plane, Receiver, Surface
-from ...engines.core.study import Case, load_study, merged
+from ...engines.core.study import Case, load_study
 from ...engines.glass import GlassObject
 from .. import objects
-from ..properties import scale_of, write
-from . import stage
+from ..properties import group_name, scale_of, write
+from ..rooms import staging_of
 from .meshes import to_blender
+from .stage import show_in_views
 
 SHIPPED = Path(__file__).resolve().parents[2] / "studies"
 """The studies that come with Heliform."""
@@ -32,35 +33,38 @@ def stage_study(
     quick: bool = False,
     seed: int | None = None,
     settings: Sequence[str] = (),
-) -> None:
+) -> bool:
     """Save a study that was run into ``out`` as a .blend: a scene a case, with its result.
 
-    Replaces the session's data. The options are those that the study was run with. Raises
-    HeliformError where the study or a result cannot be read, or the file not be written.
+    Replaces the session's data. The options are those that the study was run with. Returns whether
+    there is anything to show: a result may be for files alone. Raises HeliformError where the study
+    or a result cannot be read, or the file not be written.
     """
     study = load_study(path, quick=quick, seed=seed, settings=settings)
+    if not any(staging_of(case.analysis) for case in study.cases):
+        return False
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     for index, case in enumerate(study.cases):
         scene = bpy.data.scenes.new("") if index else bpy.context.scene
         scene.name = case.name or study.title
-        receivers = add_case(scene, case, study.seed)
+        found = add_case(scene, case, study.seed)
         folder = out / safe_name(case.name) if case.name else out
-        result = case.analysis.shows.load(folder)
-        for one in result.maps:
-            one.meta["folder"] = str(folder)
-        pictures = stage.stage_irradiance(scene, receivers, result, case.display)
-        scene.heliform.shown = pictures[0]
+        if staging := staging_of(case.analysis):
+            staging.stage(scene, found, case.analysis.shows.load(folder), folder)
         scene.view_settings.view_transform = "Standard"
-    stage.show_in_views(bpy.context)
+    show_in_views(bpy.context)
     with written(blend) as draft:
         draft.unlink()  # Blender would keep it as an older version
         bpy.ops.wm.save_as_mainfile(filepath=str(draft), check_existing=False, compress=True)
+    return True
 
 
 def add_case(scene: bpy.types.Scene, case: Case, seed: int) -> dict[str, bpy.types.Object]:
     """Add a case's objects and settings to a scene; returns the receivers by their study names."""
     settings = scene.heliform
-    write(settings.photon_tracing, case.parameters, scale_of(scene))
+    group = getattr(settings, group_name(case.analysis.record), None)
+    if group is not None:
+        write(group, case.parameters, scale_of(scene))
     write(settings.display, case.display)
     settings.seed = seed
     layer = scene.view_layers[0]

@@ -36,6 +36,11 @@ class Field:
     record: Any = None
 
     @property
+    def names_file(self) -> bool:
+        """Whether it is the path of a file, which is looked for beside the study."""
+        return self.kind == "text" and self.name.rpartition("_")[2] == "file"
+
+    @property
     def label(self) -> str:
         """The name as a person reads it: ``layer_height`` → ``Layer Height``."""
         return self.name.replace("_", " ").title()
@@ -172,3 +177,14 @@ def digest(record: Any) -> str:
     """Sixteen hex digits that name this record's values, the same on every machine."""
     text = json.dumps([type(record).__name__, to_table(record)], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """``base`` with the values of ``over`` laid on top, table by table."""
+    result = dict(base)
+    for key, value in over.items():
+        below = result.get(key)
+        if isinstance(below, Mapping) and isinstance(value, Mapping):
+            value = merged(below, value)
+        result[key] = value
+    return result

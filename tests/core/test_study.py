@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from heliform.engines.core.errors import FileError, HeliformError
+from heliform.engines.core.export import save_study
 from heliform.engines.core.meshes import load_mesh
 from heliform.engines.core.run import run_study
 from heliform.engines.core.scene import (
@@ -20,7 +21,7 @@ from heliform.engines.core.scene import (
     Surface,
     plane_receiver,
 )
-from heliform.engines.core.study import load_study, save_study
+from heliform.engines.core.study import load_study
 from heliform.engines.light import TRACE_PHOTONS, Irradiance, PhotonTracing, atlas
 from heliform.engines.light.luminaires import source
 from heliform.engines.light.unwrap import unwrap
