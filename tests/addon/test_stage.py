@@ -202,7 +202,7 @@ PIXELS = Matrix.Translation((-1, -1, 0)) @ Matrix.Diagonal(
 class Context:
     """A view without sidebar or headers."""
 
-    area = space_data = None
+    area = space_data = object = None
     region = Region
     preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))  # 0 without a window
 
