@@ -10,7 +10,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import runtime
+from . import meshlab, runtime
 from .client import Worker
 
 NEEDED_FOR = {
@@ -20,6 +20,9 @@ NEEDED_FOR = {
     "drjit": "tracing photons",
     "trimesh": "checking and reading meshes",
     "pymeshlab": "cleaning scanned meshes",
+    "shapely": "walls that would run into themselves, and checking prints",
+    "lxml": "3MF files",
+    "networkx": "3MF files",
     "OpenEXR": "saving and loading results",
     "pillow": "pictures",
     "plotly": "interactive reports",
@@ -69,7 +72,9 @@ def backend_text() -> str:
 
 def _package(name: str, use: str) -> Line:
     try:
-        return Line(name, True, importlib.metadata.version(name))
+        version = importlib.metadata.version(name)
+        lacks = f"; {meshlab.lacking()}" if name == "pymeshlab" and meshlab.lacking() else ""
+        return Line(name, True, f"{version}{lacks}")
     except importlib.metadata.PackageNotFoundError:
         with contextlib.suppress(ImportError):  # Blender's own numpy may come without a record
             version = getattr(importlib.import_module(name), "__version__", "of unknown version")

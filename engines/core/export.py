@@ -61,22 +61,23 @@ def save_study(
     return path
 
 
-def _with_files(record: Any, folder: Path) -> dict[str, Any]:
-    """The record's table; the files that it names are copied into the folder."""
+def _with_files(record: Any, folder: Path, place: str = "") -> dict[str, Any]:
+    """The record's table; each file that it names is copied into a folder named like the field."""
     table = to_table(record)
     for field in fields_of(type(record)):
-        value = table[field.name]
+        value, here = getattr(record, field.name), f"{place}{field.name}/"
         if field.kind == "record":
-            table[field.name] = _with_files(getattr(record, field.name), folder)
+            table[field.name] = _with_files(value, folder, here)
         elif field.names_file and value:
-            table[field.name] = f"{field.name}-{safe_name(Path(value).name)}"
-            _copy(Path(value), folder / table[field.name], field.label)
+            source = Path(value)
+            table[field.name] = f"{here}{safe_name(source.stem)}{source.suffix}"
+            _copy(source, folder / table[field.name], field.label)
     return table
 
 
 def _copy(source: Path, target: Path, whose: str) -> None:
     try:
-        target.parent.mkdir(exist_ok=True)
+        target.parent.mkdir(parents=True, exist_ok=True)
         if source.resolve() != target.resolve():
             shutil.copyfile(source, target)
     except OSError as failed:

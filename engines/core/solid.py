@@ -11,6 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from .errors import SceneError
+from .meshlab import closes_holes, lacking, mesh_set
 from .scene import Mesh, Vector
 
 Faces = NDArray[np.int32]
@@ -161,6 +162,7 @@ def repair(mesh: Mesh) -> tuple[Mesh, list[str]]:
     left = inspect(mesh).problem
     if left:
         notes.append(f"Could not repair everything: it still {left}.")
+        notes += [lacking()] * bool(lacking())
     return mesh, notes
 
 
@@ -380,13 +382,9 @@ def _closed(mesh: Mesh) -> tuple[Mesh, int]:
     gaps = int(np.count_nonzero(edges.open))
     if gaps == 0:
         return mesh, 0
-    import pymeshlab  # half a second to load, and seldom needed
-
-    work = pymeshlab.MeshSet()  # pyright: ignore[reportAttributeAccessIssue]
-    surface = pymeshlab.Mesh(  # pyright: ignore[reportAttributeAccessIssue]
-        mesh.vertices, mesh.faces
-    )
-    work.add_mesh(surface)
+    work = mesh_set(mesh.vertices, mesh.faces)
+    if not closes_holes(work):
+        return mesh, 0
     holes = work.meshing_close_holes(maxholesize=gaps + 1)["closed_holes"]
     # Filling appends: the faces that were there stay as they were.
     faces = work.current_mesh().face_matrix().astype(np.int32)

@@ -3,6 +3,7 @@
 import json
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ from heliform.engines.core.study import load_study
 from heliform.engines.light import TRACE_PHOTONS, Irradiance, PhotonTracing, atlas
 from heliform.engines.light.luminaires import source
 from heliform.engines.light.unwrap import unwrap
+from heliform.engines.scan import READ_SCAN, ScanReading
 from light import scenes
 
 SMALL = """
@@ -417,3 +419,23 @@ def test_a_mirroring_matrix_keeps_a_solid_outward():
 def test_a_quadrilateral_mesh_splits_into_the_same_surface():
     quad = Mesh(np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]]), np.array([[0, 1, 2, 3]]))
     assert quad.triangles().faces.tolist() == [[0, 1, 2], [0, 2, 3]]
+
+
+def test_files_of_parameters_go_with_the_study_and_are_found_beside_it(tmp_path):
+    scan = tmp_path / "Probe: ä.ply"
+    scan.write_text("ply", encoding="utf-8")
+    reading = ScanReading(file=str(scan))
+    path = save_study(tmp_path / "out", "T", Scene(), READ_SCAN, reading, 0)
+    scan.unlink()
+    moved = path.parent.rename(tmp_path / "elsewhere")
+    (case,) = load_study(moved / "study.toml").cases
+    found = Path(case.parameters.file)
+    assert found.parent.parent == moved
+    assert found.read_text(encoding="utf-8") == "ply"
+    assert found.suffix == ".ply"
+
+
+def test_a_file_of_parameters_that_cannot_be_copied_is_said(tmp_path):
+    reading = ScanReading(file=str(tmp_path / "fehlt.ply"))
+    with pytest.raises(FileError, match=r"File needs “.*fehlt.ply”, which cannot be copied"):
+        save_study(tmp_path / "out", "T", Scene(), READ_SCAN, reading, 0)
