@@ -12,11 +12,16 @@ MODULES: Final = (
     "addon.jobs",
     "addon.command",
     "operators.objects",
+    "operators.relief",
     "operators.glass",
+    "operators.printing",
     "operators.run",
     "operators.light",
+    "operators.scan",
     "panels.scene",
     "panels.glass",
+    "panels.printing",
+    "panels.scan",
     "panels.light",
 )
 

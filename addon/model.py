@@ -3,14 +3,26 @@
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
 from ..engines.core.colour import Display
 from ..engines.core.scene import Lamp, Material, Plane
 from ..engines.glass import GlassObject
+from ..engines.glass.loft import Wall
+from ..engines.glass.toolpath import Spiral
 from ..engines.light import PhotonTracing
+from ..engines.scan import ScanReading
+from . import printing
+from .bridge import layers, scan
 from .bridge.lights import BlenderLight
-from .objects import rebuild
+from .objects import WALL, rebuild
 from .properties import group_for, groups
 
 ROLES = (
@@ -27,13 +39,44 @@ SOURCES = (
 
 
 def _rebuild(group: Any, context: bpy.types.Context) -> None:
-    rebuild(group.id_data, context.scene)
+    obj = group.id_data
+    rebuild(obj, context.scene)
+    if obj.heliform.form == WALL and not obj.heliform.problem:
+        printing.refresh(obj, context)
+
+
+def _show_print(group: Any, context: bpy.types.Context) -> None:
+    printing.refresh(group.id_data, context)
+    if group.gate:
+        layers.show_in_views(context)
+
+
+def _reprint(group: Any, context: bpy.types.Context) -> None:
+    """Another machine or another spiral: every wall that shows its print shows it anew."""
+    for obj in context.scene.objects:
+        if obj.heliform.form == WALL and (obj.heliform.gate or obj.heliform.path):
+            printing.refresh(obj, context)
+
+
+def _is_read(scene: Any, obj: bpy.types.Object) -> bool:
+    return scan.facts_of(obj) is not None
 
 
 # Made here: from Python 3.14 on, annotations are evaluated only when the class is registered.
-_SHAPE, _LAMP, _PLANE = (group_for(record, _rebuild) for record in (GlassObject, Lamp, Plane))
-_MATERIAL, _TRACING, _DISPLAY = map(group_for, (Material, PhotonTracing, Display))
+_SHAPE, _WALL, _LAMP, _PLANE = (
+    group_for(record, _rebuild) for record in (GlassObject, Wall, Lamp, Plane)
+)
+_MATERIAL, _TRACING, _DISPLAY, _READING = map(
+    group_for, (Material, PhotonTracing, Display, ScanReading)
+)
 _LIGHT = group_for(BlenderLight)
+_SPIRAL = group_for(Spiral, _reprint)
+
+
+class HELIFORM_PG_curve(bpy.types.PropertyGroup):
+    """A curve that a wall follows."""
+
+    object: PointerProperty(type=bpy.types.Object)
 
 
 class HELIFORM_PG_object(bpy.types.PropertyGroup):
@@ -46,6 +89,19 @@ class HELIFORM_PG_object(bpy.types.PropertyGroup):
     )
     problem: StringProperty(name="Problem", options={"HIDDEN"})
     glass_object: PointerProperty(type=_SHAPE)
+    wall: PointerProperty(type=_WALL)
+    curves: CollectionProperty(type=HELIFORM_PG_curve)
+    gate: BoolProperty(
+        name="Print Gate",
+        description="Colour the wall by what a printer can make of it, the worst place marked",
+        update=_show_print,
+    )
+    gate_check: StringProperty(
+        name="Shown Check", description="Empty shows the worst of all", update=_show_print
+    )
+    path: BoolProperty(
+        name="Print Path", description="Show the way of the nozzle as a curve", update=_show_print
+    )
     material_from: EnumProperty(
         name="Material From", description="What says how a body treats light", items=SOURCES
     )
@@ -59,6 +115,27 @@ class HELIFORM_PG_scene(bpy.types.PropertyGroup):
     """Heliform's settings of a scene."""
 
     photon_tracing: PointerProperty(type=_TRACING)
+    scan_reading: PointerProperty(type=_READING)
+    relief: PointerProperty(
+        type=bpy.types.Object,
+        name="Relief",
+        description="The relief that a scan was read as",
+        poll=_is_read,
+    )
+    spiral: PointerProperty(type=_SPIRAL)
+    machine: EnumProperty(
+        name="Machine",
+        description="What prints the walls",
+        items=printing.MACHINES,
+        update=_reprint,
+    )
+    machine_file: StringProperty(
+        name="Profile",
+        description="Machine profile of your own, a TOML file",
+        subtype="FILE_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+        update=_reprint,
+    )
     display: PointerProperty(type=_DISPLAY)
     seed: IntProperty(
         name="Seed", description="The same seed gives the same photons", default=0, min=0
@@ -76,7 +153,7 @@ OWNERS = ((bpy.types.Object, HELIFORM_PG_object), (bpy.types.Scene, HELIFORM_PG_
 
 def register() -> None:
     """Add ``heliform`` to objects and scenes."""
-    for group in (*groups, *(group for _, group in OWNERS)):
+    for group in _all():
         bpy.utils.register_class(group)
     for owner, group in OWNERS:
         owner.heliform = PointerProperty(type=group, name="Heliform")
@@ -86,5 +163,10 @@ def unregister() -> None:
     """Take ``heliform`` from objects and scenes again."""
     for owner, _ in reversed(OWNERS):
         del owner.heliform
-    for group in reversed((*groups, *(group for _, group in OWNERS))):
+    for group in reversed(_all()):
         bpy.utils.unregister_class(group)
+
+
+def _all() -> list[type[bpy.types.PropertyGroup]]:
+    """The groups, each after those that it holds."""
+    return [*groups, HELIFORM_PG_curve, *(group for _, group in OWNERS)]

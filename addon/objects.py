@@ -1,20 +1,33 @@
 """Heliform's objects in Blender: made, and rebuilt when their properties change."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import bpy
+import numpy as np
 
-from ..engines.core.errors import HeliformError, ParameterError
-from ..engines.core.scene import Lamp, Luminaire, Mesh, Plane
+from ..engines.core.errors import HeliformError, ParameterError, SceneError
+from ..engines.core.scene import Lamp, Luminaire, Mesh, Plane, Vector
 from ..engines.glass import GlassObject, glass_object
+from ..engines.glass.loft import Wall
+from ..engines.glass.printed import wall_skin
 from ..engines.light.luminaires import source
 from ..engines.light.shape import lamp_outline, plane_mesh
+from .bridge.curves import closed_loops
 from .bridge.materials import is_understood
 from .bridge.meshes import lines_to_blender, to_blender
+from .bridge.print_layers import (
+    is_print_layers,
+    read_modifier,
+    skin_to_blender,
+    write_modifier,
+)
 from .bridge.read import lamp_record
 from .properties import read, scale_of, write
 
 GLASS = "glass.object"
+WALL = "glass.wall"
 PLANE = "plane"
 """What a form says of a mesh that Heliform makes."""
 
@@ -31,6 +44,61 @@ def add_glass(context: bpy.types.Context, record: GlassObject, name: str) -> bpy
     obj = _added(context, name, block, "BODY", GLASS)
     write(obj.heliform.glass_object, record, scale)
     return obj
+
+
+def add_wall(
+    context: bpy.types.Context,
+    record: Wall,
+    name: str,
+    curves: Sequence[bpy.types.Object] = (),
+) -> bpy.types.Object:
+    """A smooth printable wall that stands at the 3D cursor, or on the ``curves`` that it follows.
+
+    Raises HeliformError where there can be none; adds nothing then.
+    """
+    scale = scale_of(context.scene)
+    drawn, foot = curves_of(curves, context.evaluated_depsgraph_get(), scale)
+    mesh, skin = wall_skin(record, drawn)
+    block = to_blender(_resized(mesh, 1 / scale), name)
+    skin_to_blender(skin, block, scale)
+    block.materials.append(_glass_material())
+    obj = _added(context, name, block, "BODY", WALL)
+    if curves:
+        obj.location = foot / scale
+    for curve in curves:
+        obj.heliform.curves.add().object = curve
+    write(obj.heliform.wall, record, scale)
+    return obj
+
+
+def wall_of(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Wall, list[Vector]]:
+    """What a wall object says of its wall, and the curves that it follows, about its foot in m.
+
+    Raises SceneError where a curve is gone or is none.
+    """
+    scale = scale_of(context.scene)
+    curves = [entry.object for entry in obj.heliform.curves]
+    if not all(curves):
+        raise SceneError(
+            f"A curve that “{obj.name}” follows was deleted; choose its curves again, or undo."
+        )
+    drawn, _ = curves_of(curves, context.evaluated_depsgraph_get(), scale)
+    return read(obj.heliform.wall, Wall, scale), drawn
+
+
+def curves_of(
+    curves: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph, scale: float
+) -> tuple[list[Vector], Vector]:
+    """The closed loops of the curves (M, 3) in m, about the foot (3,) of the wall on them.
+
+    The foot is below the middle of the lowest loop. Raises SceneError for what is no closed curve.
+    """
+    loops = [scale * loop for curve in curves for loop in closed_loops(curve, depsgraph)]
+    if not loops:
+        return [], np.zeros(3)
+    lowest = min(loops, key=lambda loop: loop[:, 2].mean())
+    foot = (lowest.min(axis=0) + lowest.max(axis=0)) / 2
+    return [loop - foot for loop in loops], foot
 
 
 def add_lamp(context: bpy.types.Context, record: Lamp, name: str) -> bpy.types.Object:
@@ -69,7 +137,12 @@ def rebuild(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
     own meshes stay as they are.
     """
     own = obj.heliform
-    made = {("BODY", GLASS): _glass, ("RECEIVER", PLANE): _plane, ("LAMP", ""): _lamp}
+    made = {
+        ("BODY", GLASS): _glass,
+        ("BODY", WALL): _wall,
+        ("RECEIVER", PLANE): _plane,
+        ("LAMP", ""): _lamp,
+    }
     build = made.get((own.role, own.form))
     if build is None:
         return
@@ -84,6 +157,12 @@ def rebuild(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
         problem = str(error)
     if own.problem != problem:
         own.problem = problem
+
+
+def set_wall(obj: bpy.types.Object, record: Wall, scene: bpy.types.Scene) -> None:
+    """Give a wall other properties, all at once, and rebuild it."""
+    write(obj.heliform.wall, record, scale_of(scene))
+    rebuild(obj, scene)
 
 
 def set_glass(obj: bpy.types.Object, record: GlassObject, scene: bpy.types.Scene) -> None:
@@ -139,6 +218,17 @@ def replace_mesh(obj: bpy.types.Object, mesh: Mesh) -> None:
 def _glass(obj: bpy.types.Object, scale: float) -> None:
     mesh = glass_object(read(obj.heliform.glass_object, GlassObject, scale))
     to_blender(_resized(mesh, 1 / scale), obj.data)
+
+
+def _wall(obj: bpy.types.Object, scale: float) -> None:
+    record, drawn = wall_of(obj, bpy.context)
+    mesh, skin = wall_skin(record, drawn)
+    to_blender(_resized(mesh, 1 / scale), obj.data)
+    skin_to_blender(skin, obj.data, scale)
+    for modifier in filter(is_print_layers, obj.modifiers):
+        relief, style = read_modifier(modifier, scale)
+        if relief.height != record.bead.height:
+            write_modifier(modifier, replace(relief, height=record.bead.height), style, scale)
 
 
 def _plane(obj: bpy.types.Object, scale: float) -> None:

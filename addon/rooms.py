@@ -1,11 +1,17 @@
 """How each analysis and Blender's scene meet, found by the analysis's name."""
 
-from ..engines import light
+from ..engines import glass, light, scan
 from ..engines.core.analysis import Analysis
+from . import printing
 from .bridge import light as light_bridge
+from .bridge import scan as scan_bridge
 from .staging import Staging
 
-_STAGINGS = {light.TRACE_PHOTONS.name: light_bridge.STAGING}
+_STAGINGS = {
+    glass.PRINT_WALL.name: printing.STAGING,
+    light.TRACE_PHOTONS.name: light_bridge.STAGING,
+    scan.READ_SCAN.name: scan_bridge.STAGING,
+}
 
 
 def staging_of(analysis: Analysis) -> Staging | None:

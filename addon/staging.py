@@ -42,6 +42,7 @@ class Stage(Protocol):
         objects: Objects,
         result: Any,
         folder: Path,
+        /,
         notes: tuple[str, ...] = (),
     ) -> bool: ...
 

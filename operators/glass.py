@@ -1,7 +1,9 @@
 """Glass: adding printed objects, checking and repairing them."""
 
+from dataclasses import replace
+
 import bpy
-from bpy.props import EnumProperty
+from bpy.props import EnumProperty, FloatProperty
 from bpy.types import Context, Object, Operator
 
 from ..addon import objects
@@ -17,12 +19,19 @@ from ..addon.properties import (
     write_unset,
 )
 from ..engines.core import solid
+from ..engines.core.parameters import canonical
 from ..engines.glass import TABLE_1, GlassObject
+from ..engines.glass.loft import Wall
+from ..engines.glass.presets import PRESETS
+from ..engines.glass.profile import scalloped
+from ..engines.glass.relief import Relief
 from . import ObjectMode, Reporting, in_object_mode
+from .relief import dress
 
 CUSTOM = "custom"
 NAMES = {"tube": "Tube", "three_bulges": "Three Bulges", "four_bulges": "Four Bulges"}
 
+_WALLS = enum_items(PRESETS, "A wall to start from")
 _PRESETS = enum_items(TABLE_1, "Size and face count as in Table 1 of the thesis")
 
 
@@ -59,6 +68,97 @@ class HELIFORM_OT_add_glass_object(ObjectMode, Operator):
         column = layout.column()
         column.enabled = self.preset == CUSTOM
         draw(column, self, GlassObject)
+
+
+class HELIFORM_OT_add_wall(ObjectMode, Operator):
+    """Add a wall that a glass printer can make, with the relief of its layers, at the 3D cursor"""
+
+    bl_idname = "heliform.add_wall"
+    bl_label = "Add Wall"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: EnumProperty(
+        name="Preset", description="A wall to start from", items=_WALLS, default="rosette"
+    )
+
+    def act(self, context: Context) -> None:
+        """Add it; its shape is in the sidebar from then on."""
+        record = PRESETS[self.preset]
+        obj = objects.add_wall(context, record, _name(self.preset))
+        _dress(context, obj, record)
+
+
+class HELIFORM_OT_wall_from_curves(ObjectMode, Operator):
+    """Add a wall on the selected closed curves: one, two to loft between, or a stack"""
+
+    bl_idname = "heliform.wall_from_curves"
+    bl_label = "Wall from Curves"
+    bl_options = {"REGISTER", "UNDO"}
+
+    height: FloatProperty(
+        name="Height",
+        description="Height of the wall, where the curves all lie at one",
+        subtype="DISTANCE",
+        unit="LENGTH",
+        default=0.2,
+        soft_min=0.005,
+        soft_max=2.0,
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with curves selected."""
+        if not _curves(context):
+            cls.poll_message_set("Select one closed curve, or more for a loft")
+            return False
+        return super().poll(context)
+
+    def act(self, context: Context) -> None:
+        """Add it. Raises HeliformError where a curve is open, or crosses itself."""
+        record = Wall(height=canonical(self.height * scale_of(context.scene)))
+        chosen = _curves(context)
+        obj = objects.add_wall(context, record, f"{chosen[0].name} wall", chosen)
+        _dress(context, obj, record)
+
+
+class HELIFORM_OT_reshape_wall(Reporting, Operator):
+    """Give the active wall the values of a preset; its relief stays"""
+
+    bl_idname = "heliform.reshape_wall"
+    bl_label = "Preset"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: EnumProperty(name="Preset", items=_WALLS)
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only where the active object is a wall."""
+        obj = context.object
+        return obj is not None and obj.heliform.form == objects.WALL and in_object_mode(context)
+
+    def act(self, context: Context) -> None:
+        """Reshape it."""
+        own = context.object.heliform.wall
+        bead = read(own, Wall, scale_of(context.scene)).bead
+        objects.set_wall(context.object, replace(PRESETS[self.preset], bead=bead), context.scene)
+
+
+class HELIFORM_OT_rebuild_wall(Reporting, Operator):
+    """Follow the curves again, after they were changed"""
+
+    bl_idname = "heliform.rebuild_wall"
+    bl_label = "Follow Curves"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only where the active object is a wall on curves."""
+        obj = context.object
+        return obj is not None and bool(obj.heliform.curves) and in_object_mode(context)
+
+    def act(self, context: Context) -> None:
+        """Rebuild it."""
+        objects.rebuild(context.object, context.scene)
 
 
 class HELIFORM_OT_reshape_glass(Reporting, Operator):
@@ -126,6 +226,27 @@ class HELIFORM_OT_repair_glass(_OnMeshes, Operator):
         return " ".join(said) or _each(_chosen(context), "needs no repair", "need no repair")
 
 
+def _name(preset: str) -> str:
+    return NAMES.get(preset) or preset.capitalize()
+
+
+def _dress(context: Context, obj: Object, record: Wall) -> None:
+    """Give a new wall the relief of its beads; level layers where the mesh has them at its rows."""
+    bead = record.bead
+    relief = Relief(height=bead.height, amplitude=bead.sag, spiral=False)
+    dress(context, obj, scalloped(bead.height, bead.sag), relief)
+
+
+def _curves(context: Context) -> list[Object]:
+    """The selected curves, and meshes that are lines alone, from the lowest to the highest."""
+    found = [
+        obj
+        for obj in context.selected_objects
+        if obj.type == "CURVE" or (obj.type == "MESH" and obj.data.edges and not obj.data.polygons)
+    ]
+    return sorted(found, key=lambda obj: (obj.matrix_world.translation.z, obj.name))
+
+
 def _chosen(context: Context) -> list[Object]:
     """The selected meshes that are or could be bodies."""
     return [
@@ -141,6 +262,10 @@ def _each(chosen: list[Object], one: str, many: str) -> str:
 
 _CLASSES = (
     HELIFORM_OT_add_glass_object,
+    HELIFORM_OT_add_wall,
+    HELIFORM_OT_wall_from_curves,
+    HELIFORM_OT_reshape_wall,
+    HELIFORM_OT_rebuild_wall,
     HELIFORM_OT_reshape_glass,
     HELIFORM_OT_check_glass,
     HELIFORM_OT_repair_glass,

@@ -22,14 +22,15 @@ class RunAnalysis:
     """An operator that runs ``analysis`` on the scene: in the window as a job, else to the end."""
 
     analysis: Analysis
+    traces = True
     bl_label: str
     bl_options = set()
     report: Any
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        """Only where Mitsuba runs, and one job at a time."""
-        why = reason_against()
+        """One job at a time, and only where Mitsuba runs if it ``traces`` light."""
+        why = reason_against(cls.traces)
         if why:
             cls.poll_message_set(why)  # type: ignore[attr-defined]
         return not why
@@ -60,10 +61,12 @@ class RunAnalysis:
         return {"FINISHED"}
 
 
-def reason_against() -> str:
-    """Why no analysis can be started now, or an empty text."""
+def reason_against(traces: bool = True) -> str:
+    """Why no analysis, or none that ``traces`` light, can be started now, or an empty text."""
     if jobs.state.running:
         return f"{jobs.state.label} is running; wait or cancel it"
+    if not traces:
+        return ""
     choice = runtime.choose()
     return "" if choice.backend else f"Photons cannot be traced here: {choice.reason}"
 

@@ -13,7 +13,7 @@ from ..engines.core import runtime
 from ..engines.core.colour import Display
 from ..engines.light import PhotonTracing
 from . import Room
-from .scene import draw_sentence
+from .scene import draw_progress, draw_sentence
 
 _HANDLED = {"until", "error", "landed", "seconds", "keep_sums"}
 """Fields that the Light panel itself shows, and one that is always on here."""
@@ -43,7 +43,7 @@ class HELIFORM_PT_light(Room, Panel):
         column.prop(tracing, "until")
         column.prop(tracing, _STOP_OF[tracing.until])
         if jobs.state.running:
-            _progress(layout)
+            draw_progress(layout)
         else:
             row = layout.row()
             row.scale_y = 1.6
@@ -167,19 +167,6 @@ class HELIFORM_PT_study(Room, Panel):
         row = self.layout.row(align=True)
         row.operator("heliform.load_study", text="Load", icon="IMPORT")
         row.operator("heliform.export_study", text="Export", icon="EXPORT")
-
-
-def _progress(layout: UILayout) -> None:
-    """The bar, what is being done, and Cancel."""
-    state = jobs.state
-    row = layout.row(align=True)
-    row.scale_y = 1.6
-    said = f"{100 * state.fraction:.0f} %, {state.elapsed:.0f} s"
-    row.progress(factor=state.fraction, text=said, type="BAR")
-    row.operator("heliform.cancel_job", text="", icon="CANCEL")
-    column = layout.column(align=True)
-    for line in textwrap.wrap("Stopping" if state.cancelling else state.text, 40):
-        column.label(text=line)
 
 
 def _list(layout: UILayout, pictures: list[bpy.types.Image], shown: bpy.types.Image) -> None:

@@ -8,9 +8,10 @@ from typing import Any
 import bpy
 from bpy.types import Context, Object, Panel, UILayout
 
+from ..addon import jobs
 from ..addon.bridge.lights import BlenderLight, is_sun, read_light
 from ..addon.bridge.materials import read_material
-from ..addon.objects import GLASS, PLANE, lamp_hides
+from ..addon.objects import GLASS, PLANE, WALL, lamp_hides
 from ..addon.properties import draw, read, scale_of
 from ..engines.core.errors import SceneError
 from ..engines.core.scene import Lamp, Material, Plane
@@ -55,6 +56,7 @@ class HELIFORM_PT_heliform(Sidebar, Panel):
         layout = self.layout
         row = layout.row(align=True)
         row.operator("heliform.add_glass_object", text="Glass", icon="MESH_CYLINDER")
+        row.operator("heliform.add_wall", text="Wall", icon="MOD_CLOTH")
         row.operator("heliform.add_lamp", text="Lamp", icon="LIGHT_SPOT")
         row.operator("heliform.add_receiver", text="Receiver", icon="MESH_PLANE")
         found = {role: _listed(context, role) for role, _, _ in _ROLES}
@@ -83,7 +85,7 @@ class HELIFORM_PT_object(Sidebar, Panel):
         layout.use_property_decorate = False
         own = obj.heliform
         _draw_roles(layout, obj)
-        if own.form != GLASS:  # its own room says so
+        if own.form not in (GLASS, WALL):  # their own room says so
             draw_problem(layout, obj)
         if own.role == "BODY":
             _draw_body(layout, obj, scale_of(context.scene))
@@ -213,7 +215,7 @@ def grouped(value: float) -> str:
     return f"{value:,.0f}".replace(",", "\u2009") if value >= 100 else f"{value:.3g}"
 
 
-# Sentences
+# Sentences and progress
 
 
 def draw_problem(layout: UILayout, obj: Object) -> None:
@@ -229,6 +231,19 @@ def draw_sentence(layout: UILayout, sentence: str, width: int = 34) -> None:
     box.alert = True
     for index, line in enumerate(textwrap.wrap(_TABLE.sub("", sentence), width)):
         box.label(text=line, icon="ERROR" if index == 0 else "BLANK1")
+
+
+def draw_progress(layout: UILayout) -> None:
+    """The bar, what is being done, and Cancel."""
+    state = jobs.state
+    row = layout.row(align=True)
+    row.scale_y = 1.6
+    said = f"{100 * state.fraction:.0f} %, {state.elapsed:.0f} s"
+    row.progress(factor=state.fraction, text=said, type="BAR")
+    row.operator("heliform.cancel_job", text="", icon="CANCEL")
+    column = layout.column(align=True)
+    for line in textwrap.wrap("Stopping" if state.cancelling else state.text, 40):
+        column.label(text=line)
 
 
 def _problem(obj: Object, scale: float) -> str:

@@ -79,7 +79,7 @@ def show_in_views(context: bpy.types.Context, on: bool = True) -> None:
                 shading = area.spaces.active.shading
                 if shading.type == "SOLID":
                     shading.color_type = "VERTEX" if on else "MATERIAL"
-                    shading.light = "FLAT" if on else "STUDIO"
+                    shading.light = "STUDIO"
 
 
 def _attribute(block: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute:

@@ -60,6 +60,13 @@ def lines_to_blender(
     block.update()
 
 
+def edges_from_blender(block: bpy.types.Mesh) -> tuple[Vector, NDArray[np.int32]]:
+    """The vertices (V, 3) of a mesh datablock and its edges (E, 2)."""
+    edges = np.empty((len(block.edges), 2), dtype=np.int32)
+    block.edges.foreach_get("vertices", edges.ravel())
+    return places_of(block), edges
+
+
 def from_blender(evaluated: bpy.types.Object) -> Mesh:
     """The mesh of an evaluated object in its own axes and Blender units, modifiers included.
 

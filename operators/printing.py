@@ -1,0 +1,233 @@
+"""Printing: the gate, the path, and the files that a printer and others take."""
+
+import shutil
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty, StringProperty
+from bpy.types import Context, Event, Operator
+
+from ..addon import objects, printing
+from ..addon.bridge import layers
+from ..addon.bridge.read import read_mesh
+from ..addon.properties import read, scale_of, with_properties, write_unset
+from ..engines.core.errors import FileError, SceneError
+from ..engines.core.files import safe_name, written
+from ..engines.glass.coupon import Coupon, coupon
+from ..engines.glass.export import export_solid
+from ..engines.glass.gcode import write_gcode, write_path
+from ..engines.glass.machine import DATA, FILE, PROFILES
+from . import Reporting
+
+
+class _OnWall(Reporting):
+    """An operator on the active wall."""
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with a wall that Heliform made."""
+        obj = context.object
+        if obj is None or obj.heliform.form != objects.WALL:
+            cls.poll_message_set("Select a wall; Add Wall makes one")  # type: ignore[attr-defined]
+            return False
+        return True
+
+
+class HELIFORM_OT_check_print(_OnWall, Operator):
+    """Say whether the machine can print the active wall, and colour the wall by it"""
+
+    bl_idname = "heliform.check_print"
+    bl_label = "Check Print"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def act(self, context: Context) -> str:
+        """Check it. Raises SceneError with the first sentence of what it fails."""
+        obj = context.object
+        shown = printing.print_of(obj, context)  # before anything changes
+        obj.heliform.gate = True
+        failed = shown.verdict.failed
+        if failed:
+            self.report({"WARNING"}, failed[0].sentence)
+            return ""
+        return f"“{obj.name}” can be printed by {shown.machine.name}."
+
+
+class HELIFORM_OT_show_check(_OnWall, Operator):
+    """Colour the wall by this check alone, its worst place marked; again for all"""
+
+    bl_idname = "heliform.show_check"
+    bl_label = "Show Check"
+    bl_options = {"INTERNAL", "UNDO"}
+
+    name: StringProperty(options={"HIDDEN"})
+
+    def act(self, context: Context) -> None:
+        """Show it, or all where it is shown already."""
+        own = context.object.heliform
+        own.gate_check = "" if own.gate_check == self.name else self.name
+
+
+class _Export(_OnWall):
+    """An operator that writes a file of the active wall."""
+
+    bl_options = set()
+    ending = ""
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        """Ask where to."""
+        name = f"{safe_name(context.object.name)}{self.ending}"
+        self.filepath = bpy.path.abspath(f"//{name}")
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def chosen(self) -> Path:
+        """The file, with its ending."""
+        path = Path(bpy.path.abspath(self.filepath))
+        return path if path.suffix else path.with_suffix(self.ending)
+
+
+class HELIFORM_OT_export_gcode(_Export, Operator):
+    """Write the wall's path as G-code for the machine, the verdict of the gate beside it"""
+
+    bl_idname = "heliform.export_gcode"
+    bl_label = "Export G-code"
+    ending = ".gcode"
+
+    filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN"})
+    filter_glob: StringProperty(default="*.gcode;*.nc;*.csv", options={"HIDDEN"})
+
+    def act(self, context: Context) -> str:
+        """Write it; a .csv becomes the table of the path. Raises HeliformError."""
+        given = printing.print_of(context.object, context)
+        path = self.chosen()
+        if path.suffix.lower() == ".csv":
+            write_path(path, given.path)
+            return f"The path is “{path}”."
+        name, notes = context.object.name, given.loft.notes
+        write_gcode(path, given.path, given.machine, given.spiral.purge, name, notes)
+        verdict = path.with_suffix(".json")
+        with written(verdict) as draft:
+            draft.write_text(given.verdict.as_json(), encoding="utf-8")
+        if not given.verdict.passed:
+            self.report({"WARNING"}, f"Written, but: {given.verdict.failed[0].sentence}")
+            return ""
+        return f"The G-code is “{path}”."
+
+
+class HELIFORM_OT_export_solid(Operator, Reporting):
+    """Write the active glass, as it is with its modifiers, as STL, 3MF or OBJ"""
+
+    bl_idname = "heliform.export_solid"
+    bl_label = "Export Solid"
+    bl_options = set()
+
+    filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN"})
+    filter_glob: StringProperty(default="*.3mf;*.stl;*.obj", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with a mesh."""
+        return context.object is not None and context.object.type == "MESH"
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        """Ask where to."""
+        self.filepath = bpy.path.abspath(f"//{safe_name(context.object.name)}.3mf")
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def act(self, context: Context) -> str:
+        """Write it. Raises SceneError for what is no solid, FileError for an unknown ending."""
+        path = Path(bpy.path.abspath(self.filepath))
+        depsgraph = context.evaluated_depsgraph_get()
+        mesh = read_mesh(context.object, depsgraph, scale_of(context.scene))
+        export_solid(path, mesh, context.object.name)
+        return f"The solid is “{path}”."
+
+
+@with_properties(Coupon)
+class HELIFORM_OT_export_coupon(Reporting, Operator):
+    """Write a test piece for the machine's flow: its G-code, and a table of its bands"""
+
+    bl_idname = "heliform.export_coupon"
+    bl_label = "Export Flow Coupon"
+    bl_options = set()
+
+    directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN"})
+    filter_folder: BoolProperty(default=True, options={"HIDDEN"})
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        """Ask where to; its sizes are beside the files."""
+        write_unset(self, Coupon(), scale_of(context.scene))
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def act(self, context: Context) -> str:
+        """Write it. Raises HeliformError where the machine cannot print it."""
+        machine = printing.machine_of(context.scene)
+        write_unset(self, Coupon(), scale_of(context.scene))
+        record = read(self, Coupon, scale_of(context.scene))
+        folder = Path(bpy.path.abspath(self.directory))
+        files = coupon(record, machine).save(folder, machine)
+        return f"“{folder}” has {' and '.join(files)}."
+
+
+class HELIFORM_OT_edit_machine(Reporting, Operator):
+    """Copy a shipped machine profile to a file of your own, and print with that"""
+
+    bl_idname = "heliform.edit_machine"
+    bl_label = "Own Machine Profile"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN"})
+    filter_glob: StringProperty(default="*.toml", options={"HIDDEN"})
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        """Ask where to."""
+        self.filepath = bpy.path.abspath("//my printer.toml")
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def act(self, context: Context) -> str:
+        """Copy it. Raises FileError where that is not possible."""
+        settings = context.scene.heliform
+        shipped = settings.machine if settings.machine in PROFILES else PROFILES[0]
+        path = Path(bpy.path.abspath(self.filepath)).with_suffix(".toml")
+        if path.exists():
+            raise FileError(f"“{path}” is there already; choose another name.")
+        try:
+            shutil.copyfile(DATA / f"{shipped}.toml", path)
+        except OSError as failed:
+            raise FileError(f"“{path}” cannot be written: {failed.strerror}.") from None
+        settings.machine_file, settings.machine = str(path), FILE
+        return f"The profile is “{path}”; edit it with any text editor."
+
+
+class HELIFORM_OT_clear_layer(Reporting, Operator):
+    """Take the colours off the selected objects, and show materials again"""
+
+    bl_idname = "heliform.clear_layer"
+    bl_label = "Clear Colours"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def act(self, context: Context) -> None:
+        """Clear them. Raises SceneError where there are none."""
+        found = [o for o in context.selected_objects if layers.layer_of(o)]
+        if not found:
+            raise SceneError("None of the selected objects has a layer; select one that has.")
+        for obj in found:
+            obj.heliform.gate = False
+        layers.clear(found)
+        layers.show_in_views(context, on=False)
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (
+        HELIFORM_OT_check_print,
+        HELIFORM_OT_show_check,
+        HELIFORM_OT_export_gcode,
+        HELIFORM_OT_export_solid,
+        HELIFORM_OT_export_coupon,
+        HELIFORM_OT_edit_machine,
+        HELIFORM_OT_clear_layer,
+    )
+)

@@ -1,0 +1,105 @@
+"""Scans: reading a sample, and putting its relief on walls."""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import StringProperty
+from bpy.types import Context, Event, Operator
+
+from ..addon.bridge import scan
+from ..addon.bridge.print_layers import style_of
+from ..engines.core.errors import FileError
+from ..engines.scan import READ_SCAN
+from . import Reporting
+from .relief import OnMeshes, chosen, dress, relief_from, relief_on
+from .run import RunAnalysis
+
+
+class HELIFORM_OT_read_scan(RunAnalysis, Operator):
+    """Read the layers of a scanned sample: their profile, height, tilt and roughness"""
+
+    bl_idname = "heliform.read_scan"
+    bl_label = "Read Scan"
+    analysis = READ_SCAN
+    traces = False
+
+
+class HELIFORM_OT_choose_scan(Operator):
+    """Choose the scan of a sample, PLY, OBJ or STL, and read it"""
+
+    bl_idname = "heliform.choose_scan"
+    bl_label = "Choose Scan"
+    bl_options = set()
+
+    filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN"})
+    filter_glob: StringProperty(default="*.ply;*.obj;*.stl", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """One job at a time."""
+        return HELIFORM_OT_read_scan.poll(context)
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        """Ask which."""
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: Context) -> set[str]:
+        """Keep its name, and read it."""
+        context.scene.heliform.scan_reading.file = self.filepath
+        mode = "EXEC_DEFAULT" if bpy.app.background else "INVOKE_DEFAULT"
+        return bpy.ops.heliform.read_scan(mode)
+
+
+class HELIFORM_OT_use_scan(OnMeshes, Operator):
+    """Put the relief of the scan that was read on the selected meshes"""
+
+    bl_idname = "heliform.use_scan"
+    bl_label = "Put on Selected"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with a relief that was read, and meshes to put it on."""
+        if context.scene.heliform.relief is None:
+            cls.poll_message_set("Read a scan first")
+            return False
+        return super().poll(context)
+
+    def act(self, context: Context) -> None:
+        """Put it on them, layer height and depth as they were found."""
+        style = style_of(context.scene.heliform.relief)
+        for obj in chosen(context):
+            dress(context, obj, style, relief_from(style, relief_on(context, obj)))
+
+
+class HELIFORM_OT_open_scan_report(Reporting, Operator):
+    """Open the quality report of the scan in the browser"""
+
+    bl_idname = "heliform.open_scan_report"
+    bl_label = "Open Report"
+    bl_options = set()
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with a scan that was read."""
+        return scan.facts_of(context.scene.heliform.relief) is not None
+
+    def act(self, context: Context) -> None:
+        """Open it. Raises FileError where the folder is gone."""
+        facts = scan.facts_of(context.scene.heliform.relief)
+        assert facts
+        report = Path(facts["folder"], "report.html")
+        if not report.is_file():
+            raise FileError(f"There is no report “{report}” any more; read the scan again.")
+        bpy.ops.wm.url_open(url=report.as_uri())
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (
+        HELIFORM_OT_read_scan,
+        HELIFORM_OT_choose_scan,
+        HELIFORM_OT_use_scan,
+        HELIFORM_OT_open_scan_report,
+    )
+)
