@@ -80,7 +80,7 @@ def write_modifier(
     if mask is not None:
         sockets[MASK].type = "ATTRIBUTE" if mask else "VALUE"
         sockets[MASK].attribute_name = mask
-    modifier.id_data.update_tag()
+    _refresh(modifier)
 
 
 def read_modifier(modifier: bpy.types.Modifier, scale: float = 1.0) -> tuple[Relief, Style]:
@@ -116,9 +116,15 @@ def copy_to(
             for key in ("type", "attribute_name", "value"):
                 if hasattr(socket, key):
                     setattr(socket, key, getattr(held[name], key))
-        obj.update_tag()
+        _refresh(mine)
         made.append(mine)
     return made
+
+
+def _refresh(modifier: bpy.types.Modifier) -> None:
+    """Have Blender look anew at which objects a modifier needs: setting an input does not."""
+    modifier.node_group = modifier.node_group
+    modifier.id_data.update_tag()
 
 
 def _fields() -> list[Field]:

@@ -232,6 +232,18 @@ def test_relieved_is_what_is_seen():
     assert solid.inspect(found).problem == ""
 
 
+def test_another_style_is_seen_at_once_though_it_was_there_before():
+    obj = wall()
+    relief, first = Relief(amplitude=1e-3), flat_bead(5e-3, 1e-3)
+    modifier = layers.add_modifier(obj, relief, first)
+    seen(obj)
+    second = scalloped(5e-3, 1e-3)
+    layers.style_object(second)
+    bpy.context.view_layer.update()
+    layers.write_modifier(modifier, relief, second)
+    np.testing.assert_allclose(seen(obj).vertices, as_arrays(obj, relief, second), atol=1e-6)
+
+
 def test_an_applied_modifier_leaves_what_was_seen():
     obj = wall()
     modifier = layers.add_modifier(obj, Relief(roughness=5e-5), STYLES["scan"])

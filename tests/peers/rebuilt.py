@@ -78,25 +78,28 @@ def true_wall(base: Base, truth: Truth) -> Mesh:
     """The wall itself in m: both faces from the written surface, its exact normals, flat rims."""
     turn = np.arange(COLUMNS) / COLUMNS
     z = np.linspace(0, LAYERS * LAYER, LAYERS * ROWS + 1)
-    places, out = base.at(turn)
     grid_turn, grid_z = np.meshgrid(turn, z)
-    sheets = []
-    for side in (0, 1):
-        points = _face(base, truth, grid_turn.ravel(), grid_z.ravel(), side)
-        sheets.append((points, _normals(base, truth, grid_turn.ravel(), grid_z.ravel(), side)))
-    rows, last = len(z), len(z) * COLUMNS - COLUMNS
-    start = rows * COLUMNS
+    grid = grid_turn.ravel(), grid_z.ravel()
+    vertices = np.concatenate([_face(base, truth, *grid, side) for side in (0, 1)])
+    normals = np.concatenate([_normals(base, truth, *grid, side) for side in (0, 1)])
+    rows, start = len(z), len(z) * COLUMNS
+    last = start - COLUMNS
     outer = _quads(np.arange(rows - 1) * COLUMNS, np.arange(1, rows) * COLUMNS)
     inner = outer[:, ::-1] + start
     top = _quads([last], [start + last])
     bottom = _quads([start], [0])
-    normals = np.concatenate([n for _, n in sheets])
     faces = np.concatenate([outer, inner, top, bottom])
     corners = normals[faces].astype(np.float32)
     corners[-2 * COLUMNS : -COLUMNS] = 0, 0, 1
     corners[-COLUMNS:] = 0, 0, -1
-    vertices = np.concatenate([p for p, _ in sheets])
-    return Mesh(vertices * 1e-3 + [0, 0, GAP], faces.astype(np.int32), corners)
+    return _lifted(Mesh(vertices * 1e-3, faces.astype(np.int32), corners))
+
+
+def _lifted(mesh: Mesh) -> Mesh:
+    """A hair above the plane."""
+    shift = np.eye(4)
+    shift[2, 3] = GAP
+    return mesh.moved(shift)
 
 
 def _quads(lower, upper):
@@ -144,7 +147,7 @@ def smoothed(scan: Scan, how: str) -> Scan:
 
 
 def style_of(scan: Scan, repair: bool = True) -> Style:
-    """The relief that the scan shows."""
+    """The relief that the scan shows; a smoothed one is clean already."""
     return read(scan, ScanReading(repair=repair), seed=1).style
 
 
@@ -158,7 +161,7 @@ def true_style(rough: Style, count: int = 1024) -> Style:
 
 
 def profile_error(style: Style) -> float:
-    """RMS in mm by which the outer profile is off, whatever its mean, either way up."""
+    """RMS in mm by which the outer profile is off, whatever its mean; the bead is symmetric."""
     count = len(style.profile.offsets)
     found = style.profile.offsets * style.depth * 1e3
     away = found - profile(print_of(0, 1), np.arange(count) / count)
@@ -170,9 +173,7 @@ def rebuilt_wall(base: Base, style: Style | None, faces: int = 800_000) -> Mesh:
 
     The designer knows the curve and the thickness over the crests, the layers are the scan's.
     """
-    plan = Plan(
-        radius=base.radius * 1e-3, period_1=max(1, base.waves), amplitude_1=base.height
-    )
+    plan = Plan(radius=base.radius * 1e-3, period_1=max(1, base.waves), amplitude_1=base.height)
     bead = Bead(height=LAYER * 1e-3, sag=SAG * 1e-3)
     wall = Wall(
         plan=plan,
@@ -187,7 +188,7 @@ def rebuilt_wall(base: Base, style: Style | None, faces: int = 800_000) -> Mesh:
             style="scan", height=style.height, amplitude=style.depth, roughness=style.roughness
         )
         mesh = relieved(mesh, skin, relief, style)
-    return Mesh(mesh.vertices + [0, 0, GAP], mesh.faces, mesh.normals)
+    return _lifted(mesh)
 
 
 # Light
@@ -206,13 +207,36 @@ def caustic(mesh: Mesh, landed: int, seed: int) -> np.ndarray:
     return found.caustic.astype(np.float64) * receiver.texel_area
 
 
-def blocks(flux: np.ndarray, side: int) -> np.ndarray:
-    """Sums over blocks of ``side`` × ``side`` texels."""
+def distance(one: np.ndarray, other: np.ndarray, side: int) -> float:
+    """RMS difference of the flux in blocks of ``side`` texels over the RMS of the other's."""
+    one, other = _blocks(one, side), _blocks(other, side)
+    return float(np.sqrt(np.mean((one - other) ** 2) / np.mean(other**2)))
+
+
+def _blocks(flux, side):
     count = len(flux) // side
     return flux.reshape(count, side, count, side).sum(axis=(1, 3))
 
 
-def distance(one: np.ndarray, other: np.ndarray, side: int) -> float:
-    """RMS difference of the blocks over the RMS of the other's."""
-    one, other = blocks(one, side), blocks(other, side)
-    return float(np.sqrt(np.mean((one - other) ** 2) / np.mean(other**2)))
+class Comparison:
+    """The caustic of a true wall, by two seeds, and how far others are from it."""
+
+    def __init__(self, mesh: Mesh, landed: int) -> None:
+        self.landed = landed
+        self.runs = [caustic(mesh, landed, seed) for seed in (11, 12)]
+
+    def chance(self, side: int) -> float:
+        """The distance of two runs of the truth itself."""
+        return distance(*self.runs, side)
+
+    def flux(self, found: np.ndarray) -> float:
+        """Share of the true caustic flux."""
+        return float(2 * found.sum() / sum(run.sum() for run in self.runs))
+
+    def away(self, found: np.ndarray, side: int) -> float:
+        """The distance from the truth, chance included."""
+        return float(np.sqrt(np.mean([distance(found, run, side) ** 2 for run in self.runs])))
+
+    def beyond(self, found: np.ndarray, side: int) -> float:
+        """The distance from the truth less what chance makes of it."""
+        return float(np.sqrt(max(self.away(found, side) ** 2 - self.chance(side) ** 2, 0.0)))

@@ -37,6 +37,7 @@ class Piece:
     outliers: float = 0.004
     missing: float = 0.06  # share of the arc that a slanted edge takes away
     inner: bool = True
+    inner_depth: float = 1.0  # of the beads on the inner face, over those on the outer
     outer: bool = True
     edges: bool = True
     turned: bool = True
@@ -69,6 +70,7 @@ class Truth:
     def lift(self, arc, z, side):
         """Height over the base surface, mm, positive out of the glass."""
         relief = profile(self.piece, self.phase(arc, z))
+        relief = relief * self.piece.inner_depth if side else relief
         return relief + self.fields[side].at(arc, z)
 
     def surface(self, arc, z, side=0, smooth=False):

@@ -6,6 +6,7 @@ noise, strays and holes, from anywhere. Metres and radians throughout.
 """
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -73,7 +74,7 @@ class Piece:
     def mesh(self, around: int = 480, steps: int = 6):
         """Vertices and quadrilaterals of the closed surface."""
         floors = self.floors
-        z = np.concatenate([np.linspace(a, b, steps, False) for a, b in zip(floors, floors[1:])])
+        z = np.concatenate([np.linspace(a, b, steps, False) for a, b in pairwise(floors)])
         z = np.append(z, floors[-1])
         levels = np.concatenate([z, z[::-1]])
         sides = np.repeat([1.0, -1.0], len(z))

@@ -209,17 +209,19 @@ def test_one_face_alone_is_enough(face):
     assert any(f"the {face} one" in note for note in reading.meta["notes"])
 
 
+def test_a_shallower_inner_face_stays_shallower():
+    reading, _ = _read(Piece(seed=10, points=120_000, inner_depth=0.3))
+    inner = reading.style.inner.offsets * reading.style.depth * 1e3
+    assert np.ptp(inner) == pytest.approx(0.3 * 0.933, abs=0.01)
+    assert np.ptp(reading.style.profile.offsets) == pytest.approx(1.0)
+
+
 def test_a_flat_piece_has_layers_too():
     reading, truth = _read(Piece(seed=7, points=200_000, radius=0.0, tilt=20.0))
-    assert _rms(_profile_error_flat(reading, truth)) < 0.01
+    assert _rms(_profile_error(reading, truth)) < 0.01
     across = np.cross(truth.layer_normal, reading.meta["frame"]["layer_normal"])
     assert np.degrees(np.linalg.norm(across)) < 0.1
     assert "radius" not in reading.figures()
-
-
-def _profile_error_flat(reading: Reading, truth: Truth) -> np.ndarray:
-    """The bead is symmetric here, so that which way up a flat piece is read does not matter."""
-    return _profile_error(reading, truth)
 
 
 def test_most_of_a_turn_is_read_as_well_as_a_piece_of_it():
