@@ -21,8 +21,8 @@ MODULES: Final = (
     "panels.scene",
     "panels.glass",
     "panels.printing",
-    "panels.scan",
     "panels.light",
+    "panels.scan",
 )
 
 

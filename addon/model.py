@@ -18,7 +18,7 @@ from ..engines.glass import GlassObject
 from ..engines.glass.loft import Wall
 from ..engines.glass.toolpath import Spiral
 from ..engines.light import PhotonTracing
-from ..engines.scan import ScanReading
+from ..engines.scan import Comparison, ScanReading
 from . import printing
 from .bridge import layers, scan
 from .bridge.lights import BlenderLight
@@ -66,8 +66,8 @@ def _is_read(scene: Any, obj: bpy.types.Object) -> bool:
 _SHAPE, _WALL, _LAMP, _PLANE = (
     group_for(record, _rebuild) for record in (GlassObject, Wall, Lamp, Plane)
 )
-_MATERIAL, _TRACING, _DISPLAY, _READING = map(
-    group_for, (Material, PhotonTracing, Display, ScanReading)
+_MATERIAL, _TRACING, _DISPLAY, _READING, _COMPARISON = map(
+    group_for, (Material, PhotonTracing, Display, ScanReading, Comparison)
 )
 _LIGHT = group_for(BlenderLight)
 _SPIRAL = group_for(Spiral, _reprint)
@@ -116,6 +116,7 @@ class HELIFORM_PG_scene(bpy.types.PropertyGroup):
 
     photon_tracing: PointerProperty(type=_TRACING)
     scan_reading: PointerProperty(type=_READING)
+    comparison: PointerProperty(type=_COMPARISON)
     relief: PointerProperty(
         type=bpy.types.Object,
         name="Relief",

@@ -18,7 +18,7 @@ from ..engines.glass.loft import Loft, Wall, wall_loft
 from ..engines.glass.machine import FILE, PROFILES, Machine, chosen_machine
 from ..engines.glass.printing import Print as PrintRecord
 from ..engines.glass.printing import Printed
-from ..engines.glass.profile import scalloped
+from ..engines.glass.profile import Style, scalloped
 from ..engines.glass.relief import Relief
 from ..engines.glass.toolpath import Spiral, Toolpath, spiral
 from . import objects
@@ -159,24 +159,32 @@ def _gather(context: bpy.types.Context, analysis: Analysis) -> Gathered:
 
 def _stage(
     scene: bpy.types.Scene,
-    objects_there: Objects,
+    there: Objects,
     result: Printed,
     folder: Path,
+    /,
     notes: tuple[str, ...] = (),
 ) -> bool:
-    """The wall of a print with its relief, its gate and its path."""
     record = from_table(PrintRecord, result.meta["parameters"], "parameters")
-    settings = scene.heliform
-    write(settings.spiral, record.spiral, scale_of(scene))
+    bead = record.wall.bead
+    relief = Relief(height=bead.height, amplitude=bead.depth, spiral=False)
+    add_printed(scene, record, relief, scalloped(bead.height, bead.sag))
+    return False
+
+
+def add_printed(
+    scene: bpy.types.Scene, record: PrintRecord, relief: Relief, style: Style
+) -> bpy.types.Object:
+    """Add the wall of a print, with its relief, its gate and its path, to a scene."""
+    settings, scale = scene.heliform, scale_of(scene)
+    write(settings.spiral, record.spiral, scale)
     settings.machine, settings.machine_file = record.machine, record.machine_file
     layer = scene.view_layers[0]
     with bpy.context.temp_override(scene=scene, view_layer=layer, collection=scene.collection):
         obj = objects.add_wall(bpy.context, record.wall, "Wall")
-        bead = record.wall.bead
-        relief = Relief(height=bead.height, amplitude=bead.depth, spiral=False)
-        add_modifier(obj, relief, scalloped(bead.height, bead.sag), scale_of(scene))
+        add_modifier(obj, relief, style, scale)
         obj.heliform.gate = obj.heliform.path = True
-    return False
+    return obj
 
 
 STAGING = Staging(_gather, _stage)

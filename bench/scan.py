@@ -33,7 +33,7 @@ POINTS = [100_000, 1_000_000, 5_000_000]
 PEER = [100_000, 1_000_000]
 STAGES = {
     "clean": ("Taking", "Cleaning", "Closing", "Handing"),
-    "frame": ("Finding the piece",),
+    "frame": ("Finding the piece", "Finding the faces"),
     "layers": ("Finding the layers", "Aligning"),
     "fold": ("Folding",),
     "roughness": ("Measuring",),
@@ -48,9 +48,9 @@ def memory() -> float:
 
 def reading(points: int) -> dict:
     """Read a scan of so many points; seconds a stage, memory, and errors."""
+    from generator import Piece, scan
     from heliform.engines.scan import ScanReading, read
     from heliform.engines.scan.load import scan_of
-    from generator import Piece, scan
 
     vertices, faces, truth = scan(Piece(seed=SEED, points=points))
     before = memory()
@@ -98,9 +98,9 @@ def errors(found, truth) -> dict:
 def peer(points: int) -> dict:
     """Both obvious routes on the same scan: seconds and profile error in mm."""
     import pymeshlab
+    from generator import Piece, scan
     from heliform.engines.scan.clean import clean
     from heliform.engines.scan.load import scan_of
-    from generator import Piece, scan
 
     vertices, faces, truth = scan(Piece(seed=SEED, points=points))
     cleaned = clean(scan_of("bench.ply", vertices, faces, "mm"))
@@ -112,7 +112,7 @@ def peer(points: int) -> dict:
         if name == "taubin":
             work.apply_coord_taubin_smoothing(stepsmoothnum=10)
         else:
-            work.generate_surface_reconstruction_screened_poisson(depth=8, threads=2)
+            work.generate_surface_reconstruction_screened_poisson(depth=8, threads=1)
         done[f"{name}_seconds"] = time.perf_counter() - start
         mesh = work.current_mesh()
         done[f"{name}_mm"] = section_error(mesh.vertex_matrix(), mesh.face_matrix(), truth)

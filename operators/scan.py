@@ -6,10 +6,10 @@ import bpy
 from bpy.props import StringProperty
 from bpy.types import Context, Event, Operator
 
-from ..addon.bridge import scan
+from ..addon.bridge import as_printed, scan
 from ..addon.bridge.print_layers import style_of
 from ..engines.core.errors import FileError
-from ..engines.scan import READ_SCAN
+from ..engines.scan import COMPARE_PRINT, READ_SCAN
 from . import Reporting
 from .relief import OnMeshes, chosen, dress, relief_from, relief_on
 from .run import RunAnalysis
@@ -89,10 +89,53 @@ class HELIFORM_OT_open_scan_report(Reporting, Operator):
         """Open it. Raises FileError where the folder is gone."""
         facts = scan.facts_of(context.scene.heliform.relief)
         assert facts
-        report = Path(facts["folder"], "report.html")
-        if not report.is_file():
-            raise FileError(f"There is no report “{report}” any more; read the scan again.")
-        bpy.ops.wm.url_open(url=report.as_uri())
+        _open(Path(facts["folder"], "report.html"), "read the scan again")
+
+
+class HELIFORM_OT_compare_print(RunAnalysis, Operator):
+    """Compare the scan of a finished piece with its design, the active object"""
+
+    bl_idname = "heliform.compare_print"
+    bl_label = "Compare Print"
+    analysis = COMPARE_PRINT
+    traces = False
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with a body that can be the design, and a scan."""
+        obj = context.object
+        if obj is None or obj.heliform.role != "BODY":
+            cls.poll_message_set("Select the wall or body that was printed")
+            return False
+        if not context.scene.heliform.comparison.file:
+            cls.poll_message_set("Choose the scan of the finished piece first")
+            return False
+        return super().poll(context)
+
+
+class HELIFORM_OT_open_comparison(Reporting, Operator):
+    """Open the report of the comparison in the browser"""
+
+    bl_idname = "heliform.open_comparison"
+    bl_label = "Open Report"
+    bl_options = set()
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with an object that was compared."""
+        return as_printed.facts_of(context.object) is not None
+
+    def act(self, context: Context) -> None:
+        """Open it. Raises FileError where the folder is gone."""
+        facts = as_printed.facts_of(context.object)
+        assert facts
+        _open(Path(facts["folder"], "report.html"), "compare the print again")
+
+
+def _open(report: Path, remedy: str) -> None:
+    if not report.is_file():
+        raise FileError(f"There is no report “{report}” any more; {remedy}.")
+    bpy.ops.wm.url_open(url=report.as_uri())
 
 
 register, unregister = bpy.utils.register_classes_factory(
@@ -101,5 +144,7 @@ register, unregister = bpy.utils.register_classes_factory(
         HELIFORM_OT_choose_scan,
         HELIFORM_OT_use_scan,
         HELIFORM_OT_open_scan_report,
+        HELIFORM_OT_compare_print,
+        HELIFORM_OT_open_comparison,
     )
 )

@@ -79,10 +79,10 @@ def _draw_plan(layout: UILayout, plan: Any, title: str) -> None:
 def _facts(layout: UILayout, obj: Object, scene: Scene) -> None:
     """What the mesh is now."""
     column = layout.column(align=True)
-    _fact(column, "Size", size_text(tuple(d * scale_of(scene) for d in obj.dimensions)))
-    _fact(column, "Faces", f"{len(obj.data.polygons):,}".replace(",", "\u2009"))
+    fact(column, "Size", size_text(tuple(d * scale_of(scene) for d in obj.dimensions)))
+    fact(column, "Faces", f"{len(obj.data.polygons):,}".replace(",", "\u2009"))
     if obj.heliform.form == GLASS and not obj.modifiers:
-        _fact(column, "Watertight", "By construction")
+        fact(column, "Watertight", "By construction")
 
 
 def size_text(metres: tuple[float, ...]) -> str:
@@ -91,7 +91,8 @@ def size_text(metres: tuple[float, ...]) -> str:
     return " × ".join(f"{size * factor:.4g}" for size in metres) + f" {unit}"
 
 
-def _fact(column: UILayout, name: str, value: str) -> None:
+def fact(column: UILayout, name: str, value: str) -> None:
+    """A name at the right of the left column, and a value."""
     split = column.split(factor=0.4)
     left = split.row()
     left.alignment = "RIGHT"
@@ -129,6 +130,8 @@ class HELIFORM_PT_relief(Room, Panel):
         for name, socket in sockets_of(modifier).items():
             if name == "Mask":
                 _draw_mask(layout, socket, obj)
+            elif name == "Style":
+                fact(layout, name, socket.value.name if socket.value else "None")
             elif name not in hidden:
                 layout.prop(socket, "value", text=name)
 

@@ -7,13 +7,16 @@ import bpy
 from bpy.types import Context, Panel, UILayout
 
 from ..addon import jobs
-from ..addon.bridge import scan
+from ..addon.bridge import as_printed, scan
 from ..addon.properties import draw
-from ..engines.scan import ScanReading
+from ..engines.scan import Comparison, ScanReading
 from . import Room
 from .scene import draw_progress, draw_sentence
 
-_FIGURES = (
+Rows = tuple[tuple[str, str, float, str], ...]
+"""Figures by their keys, with what they are called, a factor, and the unit that it gives."""
+
+_FIGURES: Rows = (
     ("layer_height", "Layer height", 1e3, "mm"),
     ("depth", "Depth", 1e3, "mm"),
     ("tilt", "Tilt", 1.0, "°"),
@@ -22,6 +25,18 @@ _FIGURES = (
     ("wall_thickness", "Wall", 1e3, "mm"),
     ("confidence", "Confidence", 100.0, "%"),
     ("coverage", "Seen", 100.0, "%"),
+)
+_DEVIATIONS: Rows = (
+    ("deviation_mean", "Mean", 1e3, "mm"),
+    ("deviation_rms", "RMS", 1e3, "mm"),
+    ("deviation_95", "95 % within", 1e3, "mm"),
+    ("deviation_max", "Largest", 1e3, "mm"),
+    ("within_tolerance", "Within tolerance", 100.0, "%"),
+    ("coverage", "Seen", 100.0, "%"),
+    ("layer_height", "Layer height", 1e3, "mm"),
+    ("layer_height_design", "Designed", 1e3, "mm"),
+    ("wall_width", "Wall", 1e3, "mm"),
+    ("wall_width_design", "Designed", 1e3, "mm"),
 )
 
 
@@ -52,7 +67,7 @@ class HELIFORM_PT_scan(Room, Panel):
             draw_sentence(layout, jobs.state.message)
         facts = scan.facts_of(settings.relief)
         if facts:
-            _draw_facts(layout, settings.relief.name, facts)
+            _draw_facts(layout, facts)
 
 
 class HELIFORM_PT_scan_more(Room, Panel):
@@ -70,12 +85,48 @@ class HELIFORM_PT_scan_more(Room, Panel):
         draw(layout, context.scene.heliform.scan_reading, ScanReading, {"file", "unit"})
 
 
-def _draw_facts(layout: UILayout, name: str, facts: dict[str, Any]) -> None:
+class HELIFORM_PT_as_printed(Room, Panel):
+    """The scan of a finished piece against its design"""
+
+    bl_parent_id = "HELIFORM_PT_scan"
+    bl_label = "As Printed"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        """The scan, what counts as right, the button, and what was found."""
+        layout, comparison = self.layout, context.scene.heliform.comparison
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        placed = set() if comparison.start == "as placed" else {"placed"}
+        draw(layout, comparison, Comparison, {"body"} | placed)
+        if jobs.state.running:
+            draw_progress(layout)
+        else:
+            layout.operator("heliform.compare_print", icon="MOD_DATA_TRANSFER")
+        if jobs.state.label == "Compare Print":
+            draw_sentence(layout, jobs.state.message)
+        facts = as_printed.facts_of(context.object)
+        if facts:
+            _draw_figures(layout, facts["figures"], _DEVIATIONS)
+            row = layout.row(align=True)
+            row.operator("heliform.open_comparison", icon="URL")
+            row.operator("heliform.clear_layer", text="", icon="X")
+            _draw_notes(layout, facts["notes"])
+
+
+def _draw_facts(layout: UILayout, facts: dict[str, Any]) -> None:
     """The numbers, what was noticed, and the way to walls."""
     layout.prop(bpy.context.scene.heliform, "relief", text="Relief")
+    _draw_figures(layout, facts["figures"], _FIGURES)
+    row = layout.row(align=True)
+    row.operator("heliform.use_scan", icon="MOD_OCEAN")
+    row.operator("heliform.open_scan_report", text="", icon="URL")
+    _draw_notes(layout, facts["notes"])
+
+
+def _draw_figures(layout: UILayout, figures: dict[str, Any], rows: Rows) -> None:
     box = layout.box().column(align=True)
-    figures = facts["figures"]
-    for key, label, factor, unit in _FIGURES:
+    for key, label, factor, unit in rows:
         if key in figures:
             figure = figures[key]
             spread = figure.get("uncertainty")
@@ -83,14 +134,16 @@ def _draw_facts(layout: UILayout, name: str, facts: dict[str, Any]) -> None:
             split = box.split(factor=0.42)
             split.label(text=label)
             split.label(text=f"{factor * figure['value']:.4g}{tail} {unit}")
-    row = layout.row(align=True)
-    row.operator("heliform.use_scan", icon="MOD_OCEAN")
-    row.operator("heliform.open_scan_report", text="", icon="URL")
+
+
+def _draw_notes(layout: UILayout, notes: list[str]) -> None:
     column = layout.column(align=True)
     column.scale_y = 0.8
-    for note in facts["notes"]:
+    for note in notes:
         for index, line in enumerate(textwrap.wrap(note, 40)):
             column.label(text=line, icon="INFO" if index == 0 else "BLANK1")
 
 
-register, unregister = bpy.utils.register_classes_factory((HELIFORM_PT_scan, HELIFORM_PT_scan_more))
+register, unregister = bpy.utils.register_classes_factory(
+    (HELIFORM_PT_scan, HELIFORM_PT_scan_more, HELIFORM_PT_as_printed)
+)

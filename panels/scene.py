@@ -88,7 +88,7 @@ class HELIFORM_PT_object(Sidebar, Panel):
         if own.form not in (GLASS, WALL):  # their own room says so
             draw_problem(layout, obj)
         if own.role == "BODY":
-            _draw_body(layout, obj, scale_of(context.scene))
+            draw_sentence(layout, body_used(obj, scale_of(context.scene))[2])
         elif own.role == "LAMP" and obj.type == "LIGHT":
             draw(layout, own.blender_light, BlenderLight)
             draw_used(layout, *light_used(obj, scale_of(context.scene)))
@@ -96,6 +96,25 @@ class HELIFORM_PT_object(Sidebar, Panel):
             draw(layout, own.lamp, Lamp, lamp_hides(own.lamp))
         elif own.role == "RECEIVER":
             draw(layout, own.plane, Plane, set() if own.form == PLANE else {"width", "length"})
+
+
+class HELIFORM_PT_material(Sidebar, Panel):
+    """How the active body treats light, and what the simulation uses"""
+
+    bl_parent_id = "HELIFORM_PT_object"
+    bl_label = "Material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with a body."""
+        return context.object is not None and context.object.heliform.role == "BODY"
+
+    def draw(self, context: Context) -> None:
+        """Where it comes from, its settings, and what is made of them."""
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        _draw_body(self.layout, context.object, scale_of(context.scene))
 
 
 def _draw_roles(layout: UILayout, obj: Object) -> None:
@@ -123,7 +142,7 @@ def _draw_body(layout: UILayout, obj: Object, scale: float) -> None:
     rows, notes, problem = body_used(obj, scale)
     if own.material_from == "BLENDER" and not problem:
         layout.prop(own.material, "priority")
-    draw_used(layout, rows, notes, problem)
+    draw_used(layout, rows, notes, "")
 
 
 def material_hides(group: Any) -> set[str]:
@@ -288,5 +307,5 @@ def _list(column: UILayout, context: Context, found: list[Object], icon: str, no
 
 
 register, unregister = bpy.utils.register_classes_factory(
-    (HELIFORM_PT_heliform, HELIFORM_PT_object)
+    (HELIFORM_PT_heliform, HELIFORM_PT_object, HELIFORM_PT_material)
 )

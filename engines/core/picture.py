@@ -161,11 +161,13 @@ def section_png(
     quantity: str,
     unit: str,
     log: bool,
+    across: str = "Distance (m)",
 ) -> None:
     """Write the profile of a quantity along a section, a line a curve with its interval as a band.
 
-    ``distance`` (N,) in m, rising, two points at least. NaN leaves a gap. A logarithmic plot shows
-    the top four decades; what lies below runs along its foot. Colours repeat after six curves.
+    ``distance`` (N,), rising, two points at least, is what ``across`` names with its unit. NaN
+    leaves a gap. A logarithmic plot shows the top four decades; what lies below runs along its
+    foot. Colours repeat after six curves.
 
     Raises FileError where the file cannot be written.
     """
@@ -193,7 +195,7 @@ def section_png(
         y_axis=y_axis,
     )
     _draw_grid(draw, frame, size)
-    _Text(["Distance (m)"], size, _INK).draw(draw, frame.right, height - gap - size, anchor="ra")
+    _Text([across], size, _INK).draw(draw, frame.right, height - gap - size, anchor="ra")
     for index, curve in enumerate(drawn):
         for run in _runs(*curve.band):
             lower, upper = (frame.points(along[run], end[run]) for end in curve.band)

@@ -37,9 +37,10 @@ class PrintLibrary:
         "clip", help="Where a wall would run into itself: clip it, or take the convex hull"
     )
     spiral: Spiral = nested(Spiral, "How a wall is laid down")  # noqa: RUF009
-    machine: str = param(
-        "", help="Machine profile: a TOML file, glass-printer or desktop-printer; empty the first"
+    machine: Literal["glass-printer", "desktop-printer", "file"] = param(
+        "glass-printer", help="Machine profile: shipped, or a file of your own"
     )
+    machine_file: str = param("", help="Machine profile of your own, a TOML file")
     limit: int = param(0, "", 0, 10_000_000, "Judge only so many, drawn by the seed; 0 is all")
     processes: int = param(0, "", 0, 256, "Processes that share the work; 0 is one for each core")
     store_file: str = param(

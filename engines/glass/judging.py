@@ -12,7 +12,7 @@ from .candidates import PrintLibrary, wall_of
 from .fourier import Plan
 from .gate import gate_loft
 from .loft import wall_loft
-from .machine import Machine, load_machine
+from .machine import Machine, chosen_machine
 
 Rows = NDArray[np.void]
 
@@ -66,7 +66,7 @@ def judged(setting: Mapping[str, Any], plans: Sequence[Mapping[str, Any]]) -> Ro
     outline that leaves no room for its wall is a row like any other.
     """
     record = from_table(PrintLibrary, setting["record"], "parameters")
-    machine = load_machine(record.machine)
+    machine = chosen_machine(record.machine, record.machine_file)
     rows = np.zeros(len(plans), row_type(setting["checks"]))
     for row, table in zip(rows, plans, strict=True):
         plan = Plan(radius=record.radius, **table)

@@ -21,7 +21,7 @@ from ..core.scene import Scene
 from ..core.table import load_csv, save_csv
 from .candidates import WHERE, PrintLibrary, asked_plans, drawn, folded
 from .judging import ACCEPTED, Rows, checks_of, judged, row_type, table_of
-from .machine import load_machine
+from .machine import chosen_machine
 from .store import Store, store_path
 
 FILE = "library.csv"
@@ -121,7 +121,7 @@ def print_library(
     """
     record = from_table(PrintLibrary, to_table(record), WHERE)
     progress(0.0, "Reading the machine profile")
-    machine = load_machine(record.machine)
+    machine = chosen_machine(record.machine, record.machine_file)
     checks = checks_of(record, machine)
     progress(0.0, "Laying out the grid")
     asked = asked_plans(record)

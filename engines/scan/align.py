@@ -105,9 +105,11 @@ def align(scan: Scan, search: Search, frame: Frame, inward: bool, progress: Prog
     ``inward`` says that a single face is the inner one. Raises SceneError where there are no layers
     or not the faces that are wanted.
     """
+    progress(0.0, "Finding the faces")
     faces = split_faces(scan.points, frame, inward)
     _check_share(scan, faces)
     faces = _wanted(faces, search)
+    progress(0.15, "Finding the layers")
     layers = find_layers(
         cells_of(faces[0], _search_cell(faces[0], search.shortest)),
         search.shortest,
@@ -120,7 +122,7 @@ def align(scan: Scan, search: Search, frame: Frame, inward: bool, progress: Prog
         faces = [laid_flat(face.points, frame, face.inner) for face in faces]
     error = 0.0
     for turn in range(_ROUNDS):
-        progress((1 + turn) / (1 + _ROUNDS), "Aligning axis and layers")
+        progress(0.3 + 0.2 * turn, "Aligning axis and layers")
         cells = [cells_of(face, _cell_for(layers, face)) for face in faces]
         layers = fitted(layers, cells[0])
         frame, error = _refitted(frame, cells, faces, layers, turn == _ROUNDS - 1)
@@ -177,7 +179,6 @@ def _levelled(frame: Frame, layers: Layers, search: Search) -> tuple[Frame, Laye
         layers,
         wave=np.array([0.0, 1 / layers.period]),
         harmonics=np.zeros((2, 0)),
-        phase=0.0,
     )
     return turned, start
 

@@ -67,7 +67,7 @@ def around_of(mesh: Mesh, pitch: float = 0.0) -> Around | None:
     if len(found) < max(1, _AT_LEAST * len(levels)):
         return None
     first, *rest = (line for _, line in found)
-    lines = [_from(first, first.mean(axis=0) + [1e3, 0.0])]
+    lines = [_from(first, first.mean(axis=0) + np.array([1e3, 0.0]))]
     for line in rest:
         lines.append(_from(line, lines[-1][0]))
     outlines = np.stack(lines)
@@ -93,15 +93,18 @@ def _outline(mesh: Mesh, level: float) -> Vector | None:
     ends = ends[(ends[:, 0] != ends[:, 1]).any(axis=1)]
     if not len(ends):
         return None
-    parts = shapely.get_parts(shapely.polygonize(shapely.linestrings(ends)))
+    lines = np.asarray(shapely.linestrings(ends))
+    parts = shapely.get_parts(shapely.polygonize(lines))
     whole = shapely.get_parts(shapely.union_all(parts))
     if not len(whole):
         return None
     ring = shapely.get_exterior_ring(whole[shapely.area(whole).argmax()])
+    corners = shapely.get_coordinates(ring)
     if not shapely.is_ccw(ring):
-        ring = shapely.reverse(ring)
-    shares = np.arange(_POINTS) / _POINTS
-    return shapely.get_coordinates(shapely.line_interpolate_point(ring, shares, normalized=True))
+        corners = corners[::-1]
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
+    even = np.arange(_POINTS) * (along[-1] / _POINTS)
+    return np.column_stack([np.interp(even, along, column) for column in corners.T])
 
 
 def _from(line: Vector, place: Vector) -> Vector:

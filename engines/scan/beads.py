@@ -4,9 +4,11 @@ Around the wall, in sectors, the relief is laid against one bead's own shape, th
 where it fits best, there is a boundary between two layers.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.scene import Vector
 
@@ -26,12 +28,13 @@ _CREST = 0.25  # of a layer to both sides of its middle, that its crest is measu
 class Strip:
     """A side of a wall, unrolled: means in cells of a sector (S,) by a height (B,).
 
-    ``offset`` (S, B) in m, outward from the wall's middle, NaN where nothing was seen; ``count``
-    (S, B) the points; ``z`` (B,) in m.
+    ``offset`` (S, B) in m, out of the wall, NaN where nothing was seen; ``height`` (S, B) in m
+    and ``count`` (S, B) of the points; ``z`` (B,) in m the cells' middles.
     """
 
     offset: Vector
-    count: Vector
+    height: Vector
+    count: NDArray[np.intp]
     z: Vector
 
     @property
@@ -45,17 +48,19 @@ class Beads:
     """The layers of one side.
 
     ``floors`` (S, K) in m: the boundaries between layers in each sector, NaN where not seen, from
-    below. ``crests`` (S, K − 1) in m: how far the layers between them stand out. ``pitch`` in m is
-    the mean layer height, ``rise`` the layers climbed in a turn (0 stacked, ±1 a spiral),
-    ``depth`` in m from valley to crest, ``share`` how much of the relief is bead.
+    below. ``shape`` (P,) in m is one bead, its valley half-way. ``pitch`` in m is the mean layer
+    height, ``rise`` the layers climbed in a turn (0 stacked, ±1 a spiral).
     """
 
     floors: Vector
-    crests: Vector
+    shape: Vector
     pitch: float
     rise: int
-    depth: float
-    share: float
+
+    @property
+    def depth(self) -> float:
+        """From valley to crest in m."""
+        return float(np.ptp(self.shape))
 
 
 def strip_of(turn: Vector, z: Vector, offset: Vector, low: float, high: float) -> Strip:
@@ -65,10 +70,15 @@ def strip_of(turn: Vector, z: Vector, offset: Vector, low: float, high: float) -
     level = np.floor((z - low) / (high - low) * bins).astype(int)
     inside = (level >= 0) & (level < bins)
     cell = (sector * bins + level)[inside]
-    count = np.bincount(cell, minlength=SECTORS * bins).reshape(SECTORS, bins)
-    total = np.bincount(cell, offset[inside], SECTORS * bins).reshape(SECTORS, bins)
-    mean = np.where(count > 0, total / np.maximum(count, 1), np.nan)
-    return Strip(mean, count, low + (np.arange(bins) + 0.5) * (high - low) / bins)
+    shape = (SECTORS, bins)
+    count = np.bincount(cell, minlength=SECTORS * bins)
+
+    def mean(what: Vector) -> Vector:
+        total = np.bincount(cell, what[inside], SECTORS * bins)
+        return np.where(count > 0, total / np.maximum(count, 1), np.nan).reshape(shape)
+
+    middles = low + (np.arange(bins) + 0.5) * (high - low) / bins
+    return Strip(mean(offset), mean(z), count.reshape(shape), middles)
 
 
 def beads_of(strip: Strip) -> Beads | None:
@@ -77,7 +87,7 @@ def beads_of(strip: Strip) -> Beads | None:
     rhythm = _rhythm(flat, strip)
     if rhythm is None:
         return None
-    pitch, rise, phase, share = rhythm
+    pitch, rise, phase = rhythm
     floors = _first_floors(flat, strip, pitch, rise, phase)
     if floors.shape[1] < 2:
         return None
@@ -86,9 +96,11 @@ def beads_of(strip: Strip) -> Beads | None:
         heights, places = _windows(flat, strip, floors, pitch)
         shape = _shape(heights, places)
         floors = floors + pitch * _shift(heights, places, shape)
-    crests = _crests(strip, floors, shape)
-    pitch = float(np.nanmean(np.diff(floors, axis=1)))
-    return Beads(floors, crests, pitch, rise, float(np.ptp(shape)), share)
+    heights = np.diff(floors, axis=1)
+    if not np.isfinite(heights).any():
+        return None
+    shape = np.roll(shape, -round(_valley(shape) * _PARTS))
+    return Beads(floors, shape, float(np.nanmean(heights)), rise)
 
 
 def levels_of(strip: Strip, floors: Vector) -> Vector:
@@ -115,8 +127,8 @@ def _flattened(strip: Strip) -> Vector:
     return strip.offset - fitted[..., 0] @ terms.T
 
 
-def _rhythm(flat: Vector, strip: Strip) -> tuple[float, int, float, float] | None:
-    """Pitch in m, layers a turn, phase at z = 0 in layers, and the share of the relief in it."""
+def _rhythm(flat: Vector, strip: Strip) -> tuple[float, int, float] | None:
+    """Pitch in m, layers a turn, and phase at z = 0 in layers."""
     height = strip.z[-1] - strip.z[0]
     step = strip.z[1] - strip.z[0]
     lowest, highest = max(_FEWEST / height, 1 / _LONGEST), min(1 / _SHORTEST, 1 / (4 * step))
@@ -136,12 +148,10 @@ def _rhythm(flat: Vector, strip: Strip) -> tuple[float, int, float, float] | Non
         return None
     # Of a wave cos 2π(z/p − rise · turn − phase), the sum turns by −phase.
     phase = -np.angle(sums[which, best]) / (2 * np.pi)
-    return 1 / float(tried[best]), int(rises[which]), float(phase), float(share)
+    return 1 / float(tried[best]), int(rises[which]), float(phase)
 
 
-def _first_floors(
-    flat: Vector, strip: Strip, pitch: float, rise: int, phase: float
-) -> Vector:
+def _first_floors(flat: Vector, strip: Strip, pitch: float, rise: int, phase: float) -> Vector:
     """Where the floors (S, K) are by the wave's valleys, which may run slow or fast along z."""
     low, high = strip.z[0] + 0.4 * pitch, strip.z[-1] - 0.4 * pitch
     first = int(np.ceil(low / pitch - phase - 0.5 - max(rise, 0)))
@@ -167,8 +177,10 @@ def _windows(flat: Vector, strip: Strip, floors: Vector, pitch: float) -> tuple[
     index = np.round(middle).astype(int)[..., None] + np.arange(-half, half + 1)
     outside = (index < 0) | (index >= len(strip.z)) | ~there[..., None]
     index = np.clip(index, 0, len(strip.z) - 1)
-    heights = np.where(outside, np.nan, flat[np.arange(len(flat))[:, None, None], index])
-    places = (strip.z[index] - np.where(there, floors, 0.0)[..., None]) / pitch
+    row = np.arange(len(flat))[:, None, None]
+    heights = np.where(outside, np.nan, flat[row, index])
+    places = (strip.height[row, index] - np.where(there, floors, 0.0)[..., None]) / pitch
+    places = np.where(np.isfinite(places), places, 0.0)
     heights = np.where(np.abs(places) <= 0.5, heights, np.nan)
     filled = np.isfinite(heights).mean(axis=2) > _FILLED * min(1.0, pitch / step / (2 * half + 1))
     return np.where(filled[..., None], heights, np.nan), places
@@ -183,9 +195,7 @@ def _shape(heights: Vector, places: Vector) -> Vector:
     order = np.argsort(part[known], kind="stable")
     values, parts = level[known][order], part[known][order]
     ends = np.searchsorted(parts, np.arange(_PARTS + 1))
-    shape = np.array(
-        [np.median(values[a:b]) if b > a else np.nan for a, b in zip(ends, ends[1:], strict=False)]
-    )
+    shape = np.array([np.median(values[a:b]) if b > a else np.nan for a, b in pairwise(ends)])
     x = np.arange(_PARTS)
     known = np.isfinite(shape)
     return np.interp(x, x[known], shape[known], period=_PARTS) if known.any() else np.zeros(_PARTS)
@@ -237,15 +247,17 @@ def _between(strip: Strip, floors: Vector) -> Vector:
     return part
 
 
-def _crests(strip: Strip, floors: Vector, shape: Vector) -> Vector:
-    """How far the layers between the floors stand out (S, K − 1), by the middle of each bead."""
+def crests_of(strip: Strip, floors: Vector, shape: Vector) -> Vector:
+    """How far in m the layers between floors (S, K) stand out (S, K − 1), by their middles.
+
+    ``shape`` is that of their beads.
+    """
     part = _between(strip, floors)
     row = np.arange(len(floors))[:, None]
     low = floors[row, np.maximum(part, 0)]
     high = floors[row, np.minimum(part + 1, floors.shape[1] - 1)]
-    place = (strip.z - low) / np.where(part < 0, 1.0, high - low)
+    place = (np.nan_to_num(strip.height) - low) / np.where(part < 0, 1.0, high - low)
     top = np.abs(place - 0.5) <= _CREST
-    shape = np.roll(shape, -round(_valley(shape) * _PARTS))
     below = shape.max() - _along(shape, np.where(top, place, 0.5))
-    raised = Strip(np.where(top & (part >= 0), strip.offset + below, np.nan), strip.count, strip.z)
-    return levels_of(raised, floors)
+    raised = np.where(top & (part >= 0), strip.offset + below, np.nan)
+    return levels_of(replace(strip, offset=raised), floors)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from ..core.meshlab import closes_holes, lacking, mesh_set
 from ..core.progress import SILENT, Progress
 from ..core.scene import Vector
 from .boxes import boxed
@@ -32,14 +33,8 @@ def clean(scan: Scan, *, close: bool = True, progress: Progress = SILENT) -> Sca
     if not len(scan.faces):
         progress(0.0, "Removing lonely points")
         return _clean_cloud(scan)
-    import pymeshlab  # half a second to load; Blender's bpy must come before it
-
     progress(0.0, "Taking the mesh over")
-    work = pymeshlab.MeshSet()  # pyright: ignore[reportAttributeAccessIssue]
-    surface = pymeshlab.Mesh(  # pyright: ignore[reportAttributeAccessIssue]
-        scan.points, scan.faces
-    )
-    work.add_mesh(surface)
+    work = mesh_set(scan.points, scan.faces)
     notes: list[str] = []
     steps = (
         ("meshing_remove_duplicate_vertices", {}, "vertices", "Joined {} listed twice."),
@@ -87,6 +82,9 @@ def _said(count: int, thing: str) -> str:
 
 
 def _close(work: Any, notes: list[str]) -> None:
+    if not closes_holes(work):
+        notes.append(f"Holes stay open. {lacking()}")
+        return
     done = work.meshing_close_holes(maxholesize=_HOLE)
     if done["closed_holes"]:
         notes.append(f"Closed {_said(done['closed_holes'], 'holes')} of at most {_HOLE} edges.")

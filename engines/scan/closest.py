@@ -44,6 +44,20 @@ class Target:
         """The anchors (A, 3) in m."""
         return np.asarray(self.tree.data)
 
+    @property
+    def areas(self) -> Vector:
+        """The triangles' areas (F,) in m²."""
+        uu, uv, vv = self.frames[:, 12:].T
+        return np.sqrt(np.maximum(uu * vv - uv * uv, 0.0)) / 2
+
+    def sample(self, count: int, rng: np.random.Generator) -> tuple[Vector, NDArray[np.intp]]:
+        """``count`` points (N, 3) spread evenly at random over the surface, and their faces."""
+        face = rng.choice(len(self.frames), count, p=self.areas / self.areas.sum())
+        s, t = rng.random((2, count, 1))
+        s, t = np.where(s + t > 1, (1 - s, 1 - t), (s, t))
+        frame = self.frames[face]
+        return frame[:, :3] + s * frame[:, 3:6] + t * frame[:, 6:9], face
+
 
 @dataclass(frozen=True, slots=True)
 class Feet:
@@ -108,9 +122,9 @@ def closest(
 ) -> Feet:
     """The closest place on the target of each of the points (N, 3) in m, ``within`` that many m.
 
-    The distance is exact to the triangles of the six nearest anchors; on a printed wall one point
-    in ten thousand is closer to another, by microns. Where the closest place is on an edge, the face
-    that the point is seen from most squarely gives the sign.
+    The distance is exact to the triangles of the six nearest anchors; on a printed wall a few
+    points in ten thousand are closer to another, by microns. Where the closest place is on an
+    edge, the face that the point is seen from most squarely gives the sign.
 
     Raises Cancelled when ``progress`` is asked to stop.
     """
@@ -155,7 +169,7 @@ def _best(
     closer &= target.owner[anchor] != first[:, None]
     row, column = np.nonzero(closer)
     if not len(row):
-        return first, uv, square
+        return first, uv
     other = target.owner[anchor[row, column]]
     uv_other, _, weighed_other = _measured(points[row], target.frames[other])
     start = np.flatnonzero(np.diff(row, prepend=-1))

@@ -38,7 +38,7 @@ def starts(points: Vector, target: Target, rng: np.random.Generator, most: int) 
     The likeliest first, by the mean distance of a few hundred points, in which none counts more
     than a twentieth of the design's size.
     """
-    design = surface_sample(target, _SAMPLE, rng)
+    design, _ = target.sample(_SAMPLE, rng)
     tree, here = KDTree(design), _frame(design)
     size = float(np.linalg.norm(np.ptp(design, axis=0)))
     cut = _CUT * size
@@ -58,22 +58,11 @@ def starts(points: Vector, target: Target, rng: np.random.Generator, most: int) 
     return [pose for _, pose in found[:most]]
 
 
-def surface_sample(target: Target, count: int, rng: np.random.Generator) -> Vector:
-    """``count`` points (N, 3) spread evenly at random over the target's surface."""
-    frames = target.frames
-    area = np.sqrt(np.maximum(frames[:, 12] * frames[:, 14] - frames[:, 13] ** 2, 0.0))
-    face = rng.choice(len(area), count, p=area / area.sum())
-    s, t = rng.random((2, count, 1))
-    s, t = np.where(s + t > 1, (1 - s, 1 - t), (s, t))
-    return frames[face, :3] + s * frames[face, 3:6] + t * frames[face, 6:9]
-
-
-def normals_of(points: Vector, among: KDTree, neighbours: int = _NEIGHBOURS) -> tuple[Vector, Vector]:
-    """Unit normals (N, 3) of either sign from each point's neighbours, and how flat these lie.
-
-    Flat are 1, a ball of points is 0: (N,).
+def _normals(points: Vector) -> tuple[Vector, Vector]:
+    """Unit normals (N, 3) of either sign from each point's neighbours, and how flat these lie (N,):
+    1 in a plane, 0 in a ball.
     """
-    near = np.asarray(among.data)[among.query(points, neighbours, workers=-1)[1]]
+    near = points[KDTree(points).query(points, _NEIGHBOURS, workers=-1)[1]]
     near = near - near.mean(axis=1, keepdims=True)
     values, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", near, near))
     return vectors[..., 0], 1 - values[:, 0] / np.maximum(values[:, 1], 1e-300)
@@ -81,7 +70,7 @@ def normals_of(points: Vector, among: KDTree, neighbours: int = _NEIGHBOURS) -> 
 
 def _axes(points: Vector) -> list[Vector]:
     """Unit vectors that may be the axis, pointing up: each with its opposite."""
-    normals, flat = normals_of(points, KDTree(points))
+    normals, flat = _normals(points)
     weight = np.where(flat > 0.5, flat, 0.0)[:, None]
     about = normals - (normals * weight).sum(axis=0) / max(weight.sum(), 1e-300)
     vectors = [

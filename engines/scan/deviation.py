@@ -1,7 +1,6 @@
 """The deviation of a scan from its design, spread over the design's own surface."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from .closest import Feet, Target
 _ENOUGH = 16  # points that a vertex takes its deviation from
 _RINGS = 12  # of neighbours that it takes them from at most
 _ALONE = 5.0  # robust deviations from its neighbours at which a point is a stray
+_SPARSE = 0.2  # of the usual number of points about it, below which it is one, too
 _COLUMNS = 720  # of the unrolled picture at most
 _CELL = 8  # points to a cell of it
 
@@ -41,8 +41,8 @@ def spread(feet: Feet, target: Target, near: float) -> Spread:
     """The deviations of points, by their feet on the design, brought to its vertices.
 
     Each vertex has the mean of some sixteen points about it, along the surface, so that the two
-    sides of a wall keep apart. Points farther than ``near`` in m, and those that stand alone
-    among their neighbours, are strays.
+    sides of a wall keep apart. Points farther than ``near`` in m, those far off their neighbours
+    and those that have hardly any are strays.
     """
     mesh = target.mesh
     belongs = (feet.face >= 0) & (np.abs(feet.distance) < near)
@@ -54,16 +54,17 @@ def spread(feet: Feet, target: Target, near: float) -> Spread:
     join = _neighbours(faces, count)
     rings = _rings(join, corners, weights, count)
     noise, keep = 0.0, np.ones(len(value), dtype=bool)
-    for _ in range(2):
+    smooth = np.full(count, np.nan)
+    for _ in range(3):
         smooth = _smooth(join, corners[keep], weights[keep], value[keep], count, rings)
-        rest = value - (np.nan_to_num(smooth)[corners] * weights).sum(axis=1)
-        noise = 1.4826 * float(np.median(np.abs(rest))) if len(rest) else 0.0
-        keep = np.abs(rest) <= _ALONE * noise + 1e-9
-    smooth = _smooth(join, corners[keep], weights[keep], value[keep], count, rings)
+        rest = np.abs(value - (smooth[corners] * weights).sum(axis=1))
+        known = np.isfinite(rest)
+        noise = 1.4826 * float(np.median(rest[known])) if known.any() else 0.0
+        keep = known & (rest <= _ALONE * noise + 1e-9)
     belongs = belongs.copy()
     belongs[belongs] = keep
     area = np.zeros(len(mesh.vertices))
-    np.add.at(area, mesh.faces, _areas(target)[:, None] / 3)
+    np.add.at(area, mesh.faces, target.areas[:, None] / 3)
     return Spread(smooth[joined], area, belongs, noise)
 
 
@@ -91,12 +92,7 @@ def _joined(vertices: Vector) -> NDArray[np.intp]:
     return number
 
 
-def _areas(target: Target) -> Vector:
-    uu, uv, vv = target.frames[:, 12:].T
-    return np.sqrt(np.maximum(uu * vv - uv * uv, 0.0)) / 2
-
-
-def _neighbours(faces: NDArray[Any], count: int) -> sparse.csr_array:
+def _neighbours(faces: NDArray[np.intp], count: int) -> sparse.csr_array:
     """Ones (V, V) between vertices of a triangle, and on the diagonal."""
     ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     join = sparse.coo_array((np.ones(len(ends)), ends.T), shape=(count, count)).tocsr()
@@ -105,9 +101,7 @@ def _neighbours(faces: NDArray[Any], count: int) -> sparse.csr_array:
     return join
 
 
-def _rings(
-    join: sparse.csr_array, corners: NDArray[np.intp], weights: Vector, count: int
-) -> int:
+def _rings(join: sparse.csr_array, corners: NDArray[np.intp], weights: Vector, count: int) -> int:
     """Over how many rings of neighbours a vertex that is seen finds enough points."""
     points = np.bincount(corners.ravel(), weights.ravel(), count)
     around = np.median(points[points > 0]) if points.any() else 1.0
@@ -125,49 +119,82 @@ def _smooth(
     count: int,
     rings: int,
 ) -> Vector:
-    """The mean (V,) of the values about each vertex, NaN where there is none."""
+    """The mean (V,) of the values about each vertex, NaN where there are hardly any."""
     weight = np.bincount(corners.ravel(), weights.ravel(), count)
     total = np.bincount(corners.ravel(), (weights * value[:, None]).ravel(), count)
     for _ in range(rings):
         weight, total = join @ weight, join @ total
-    return np.where(weight > 1e-6, total / np.maximum(weight, 1e-300), np.nan)
+    usual = np.median(weight[corners[:, 0]]) if len(corners) else 1.0
+    return np.where(weight > _SPARSE * usual, total / np.maximum(weight, 1e-300), np.nan)
 
 
-def figures_of(found: Spread, vertices: Vector, tolerance: float) -> dict[str, Any]:
-    """Mean, RMS, 95th percentile and largest of the deviation in m, by area; shares in 0..1.
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """A deviation in figures, by area: lengths in m, shares in 0..1, NaN where nothing was seen.
 
-    ``vertices`` (V, 3) are the design's. With ``mean_deviation`` and ``rms_deviation``, the
-    standard deviations by which mean and RMS differ from what other eighths of the piece say.
+    The ``_deviation`` of mean and RMS are the standard deviations by how the eighths of the piece
+    differ. ``largest`` has its sign and ``place`` (3,).
     """
-    seen = found.seen
-    value, area = found.vertices[seen], found.area[seen]
-    if not area.sum():
-        return {"coverage": 0.0}
+
+    mean: float
+    mean_deviation: float
+    rms: float
+    rms_deviation: float
+    percentile_95: float
+    largest: float
+    place: Vector
+    within: float
+    coverage: float
+
+
+_NOTHING = Statistics(
+    mean=np.nan,
+    mean_deviation=np.nan,
+    rms=np.nan,
+    rms_deviation=np.nan,
+    percentile_95=np.nan,
+    largest=np.nan,
+    place=np.full(3, np.nan),
+    within=np.nan,
+    coverage=0.0,
+)
+
+
+def statistics(found: Spread, vertices: Vector, tolerance: float) -> Statistics:
+    """What the deviation at the design's ``vertices`` (V, 3) comes to.
+
+    ``within`` is the share of what was seen that is off by at most the ``tolerance`` in m.
+    """
+    seen = found.seen & (found.area > 0)
+    if not seen.any():
+        return _NOTHING
+    value, area, place = found.vertices[seen], found.area[seen], vertices[seen]
     size = np.abs(value)
     order = np.argsort(size)
     shares = np.cumsum(area[order]) / area.sum()
-    worst = int(np.flatnonzero(seen)[order[-1]])
-    middle = vertices[seen].mean(axis=0)
-    part = ((vertices[seen] > middle) * [1, 2, 4]).sum(axis=1)
-    weight = np.bincount(part, area, 8)
+    worst = order[-1]
+    eighth = ((place > place.mean(axis=0)) * [1, 2, 4]).sum(axis=1)
+    weight = np.bincount(eighth, area, 8)
     there = weight > 0.01 * weight.sum()
     means, squares = (
-        np.bincount(part, area * what, 8)[there] / weight[there] for what in (value, value**2)
+        np.bincount(eighth, area * what, 8)[there] / weight[there] for what in (value, value**2)
     )
-    count = max(int(there.sum()), 2)
-    return {
-        "mean": float((area * value).sum() / area.sum()),
-        "mean_deviation": float(means.std(ddof=1 if len(means) > 1 else 0) / np.sqrt(count)),
-        "rms": float(np.sqrt((area * value**2).sum() / area.sum())),
-        "rms_deviation": float(
-            np.sqrt(squares).std(ddof=1 if len(squares) > 1 else 0) / np.sqrt(count)
-        ),
-        "percentile_95": float(size[order][min(np.searchsorted(shares, 0.95), len(size) - 1)]),
-        "largest": float(found.vertices[worst]),
-        "place": [float(x) for x in vertices[worst]],
-        "within": float(area[size <= tolerance].sum() / area.sum()),
-        "coverage": float(area.sum() / found.area.sum()),
-    }
+    return Statistics(
+        mean=float((area * value).sum() / area.sum()),
+        mean_deviation=_of_mean(means),
+        rms=float(np.sqrt((area * value**2).sum() / area.sum())),
+        rms_deviation=_of_mean(np.sqrt(squares)),
+        percentile_95=float(size[order][min(np.searchsorted(shares, 0.95), len(size) - 1)]),
+        largest=float(value[worst]),
+        place=place[worst],
+        within=float(area[size <= tolerance].sum() / area.sum()),
+        coverage=float(area.sum() / found.area.sum()),
+    )
+
+
+def _of_mean(values: Vector) -> float:
+    """The standard deviation of the mean."""
+    return float(values.std(ddof=1) / np.sqrt(len(values))) if len(values) > 1 else np.nan
 
 
 def picture_of(turn: Vector, z: Vector, value: Vector, girth: float) -> Vector:

@@ -48,7 +48,8 @@ def draw_face(result: Reading, face: FaceReading, folder: Path, display: Display
         ("Noise", 1e3 * face.octaves["noise"][::-1], None, None),
     ]
     if len(middle) > 1:
-        section_png(folder / files[4], middle, curves, "RMS of an octave by wavelength", "mm", True)
+        path, quantity = folder / files[4], "RMS of an octave"
+        section_png(path, 1e3 * middle, curves, quantity, "mm", True, "Wavelength (mm)")
         return files
     return files[:4]
 
@@ -84,7 +85,8 @@ def _draw_profile(result: Reading, face: FaceReading, path: Path) -> None:
         ("Median of the points (95 %)", *(1e3 * (median + k * error) for k in (0, -1.96, 1.96))),
         ("Bead", 1e3 * profile, None, None),
     ]
-    section_png(path, phase * result.style.height, curves, "Height over the valley", "mm", False)
+    up = 1e3 * phase * result.style.height
+    section_png(path, up, curves, "Height over the valley", "mm", False, "Up the layer (mm)")
 
 
 def summary(result: Reading) -> str:

@@ -1,19 +1,21 @@
 """Layer heights and wall widths as found on a scan, and on its design by the same measure."""
 
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from ..core.scene import Vector
 from .around import Around
-from .beads import SECTORS, Beads, beads_of, levels_of, strip_of
+from .beads import SECTORS, Beads, Strip, beads_of, crests_of, levels_of, strip_of
 
 _BAND = 5e-3  # m; the height of a band where there are no layers to measure
+_SEEN = 0.01  # of the points must be on a side that was scanned
 _FEWEST = 3  # sectors that must agree on a layer
 
 
 @dataclass(frozen=True, slots=True)
-class Layers:
+class LayerTable:
     """The layers of a wall, from below; all (L,) float64, m, NaN where they were not seen.
 
     ``z`` is the middle of each, ``height`` and ``width`` are means around the wall, the
@@ -36,26 +38,41 @@ class Layers:
         """The columns by name, for a file."""
         return {prefix + field.name: getattr(self, field.name) for field in fields(self)}
 
+    @classmethod
+    def of(cls, arrays: Mapping[str, Vector], prefix: str) -> "LayerTable":
+        """The table that `arrays` gave. Raises KeyError where a column is missing."""
+        return cls(*(arrays[prefix + field.name] for field in fields(cls)))
+
+    @classmethod
+    def empty(cls) -> "LayerTable":
+        """No layers."""
+        return cls(*np.zeros((len(fields(cls)), 0)))
+
 
 @dataclass(frozen=True, slots=True)
 class Found:
     """A wall as it was found.
 
-    ``layers`` are empty where the wall has none. ``pitch`` is the mean layer height and ``width``
-    the mean width in m with their standard deviations, NaN where they could not be measured;
-    ``rise`` the layers climbed in a turn, ``depth`` in m the relief of a bead, ``share`` how much
-    of the relief is bead.
+    ``layers`` are empty where the wall has none. ``pitch`` is the mean layer height, ``width``
+    the mean width and ``front`` how far the crests stand out of the design's outline, in m with
+    their standard deviations, NaN where they could not be measured; ``rise`` the layers climbed in
+    a turn, ``depth`` in m the relief of a bead.
     """
 
-    layers: Layers
+    layers: LayerTable
     pitch: float
     pitch_error: float
     width: float
     width_error: float
     front: float
+    front_error: float
     rise: int
     depth: float
-    share: float
+
+    @property
+    def rhythmic(self) -> bool:
+        """Whether there are layers."""
+        return bool(np.isfinite(self.pitch))
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,47 +91,53 @@ def layers_of(wall: Sides, around: Around) -> Found:
     strips = {
         side: strip_of(turn[which], z[which], side * offset[which], low, high)
         for side in (1, -1)
-        if (which := wall.side == side).any()
+        if (which := wall.side == side).mean() > _SEEN
     }
     beads = {side: one for side, strip in strips.items() if (one := beads_of(strip)) is not None}
-    main = 1 if 1 in beads or -1 not in beads else -1
-    if main in beads:
-        floors = _with_ends(beads[main], wall, low, high)
+    floors = {side: _with_ends(one, wall, low, high) for side, one in beads.items()}
+    crests = {side: crests_of(strips[side], floors[side], one.shape) for side, one in beads.items()}
+    main = next(iter(beads), 0)
+    if main:
+        edges = floors[main]
     else:
-        bands = np.linspace(low, high, max(2, round((high - low) / _BAND) + 1))
-        floors = np.tile(bands, (SECTORS, 1))
-    crests = {side: _crests(strips[side], beads.get(side), floors) for side in strips}
-    width = crests[1] + crests[-1] if len(crests) == 2 else np.full(floors[:, 1:].shape, np.nan)
-    height = np.diff(floors, axis=1) if beads else np.full(width.shape, np.nan)
-    front = crests.get(1, np.full(width.shape, np.nan))
-    there = [np.isfinite(height if beads else width).sum(axis=0) >= _FEWEST][0]
-    turns = (np.arange(SECTORS)[:, None] + 0.5) / SECTORS
-    rise = beads[main].rise * beads[main].pitch if beads else 0.0
-    level = floors - rise * turns
-    edges = _mean(level)[0]
-    layers = Layers(
-        (edges[:-1] + edges[1:])[there] / 2,
-        *(column[there] for column in (*_mean(height), *_mean(width))),
-        front=_mean(front)[0][there],
-        points=_counted(strips, floors)[there],
-    )
-    pitch, pitch_error = _overall(height[:, 1:-1] if height.shape[1] > 2 else height)
-    overall_width, width_error = _overall(width)
+        edges = np.tile(np.linspace(low, high, max(2, round((high - low) / _BAND))), (SECTORS, 1))
+    fronts = {
+        side: _matched(edges, floors[side], crests[side], beads[side].pitch)
+        if side in beads
+        else levels_of(strip, edges)
+        for side, strip in strips.items()
+    }
+    unknown = np.full(edges[:, 1:].shape, np.nan)
+    width = fronts[1] + fronts[-1] if len(fronts) == 2 else unknown
+    height = np.diff(edges, axis=1) if main else unknown
+    front = fronts.get(1, unknown)
+    table = LayerTable.empty()
+    if main:
+        climb = beads[main].rise * beads[main].pitch
+        level = _mean(edges - climb * strips[main].turn)[0]
+        there = np.isfinite(height).sum(axis=0) >= _FEWEST
+        columns = ((level[:-1] + level[1:]) / 2, *_mean(height), *_mean(width), _mean(front)[0])
+        table = LayerTable(*(c[there] for c in (*columns, _counted(strips, edges))))
     return Found(
-        layers=layers if beads else _none(),
-        pitch=pitch,
-        pitch_error=pitch_error,
-        width=overall_width,
-        width_error=width_error,
-        front=_overall(front)[0],
-        rise=beads[main].rise if beads else 0,
-        depth=beads[main].depth if beads else 0.0,
-        share=beads[main].share if beads else 0.0,
+        table,
+        *_overall(height[:, 1:-1]),
+        *_overall(width),
+        *_overall(front),
+        rise=beads[main].rise if main else 0,
+        depth=beads[main].depth if main else 0.0,
     )
 
 
-def _none() -> Layers:
-    return Layers(*np.zeros((len(fields(Layers)), 0)))
+def grown(found: Found, scale: float) -> Found:
+    """The same with all lengths times ``scale``, but for where the layers are."""
+    table = found.layers.arrays("")
+    table = {name: v if name in ("z", "points") else scale * v for name, v in table.items()}
+    lengths = ("pitch", "pitch_error", "width", "width_error", "front", "front_error", "depth")
+    return replace(
+        found,
+        layers=LayerTable(**table),
+        **{name: scale * getattr(found, name) for name in lengths},
+    )
 
 
 def _ends(wall: Sides) -> tuple[float, float]:
@@ -138,21 +161,17 @@ def _with_ends(beads: Beads, wall: Sides, low: float, high: float) -> Vector:
     return np.concatenate([lower, floors, upper], axis=1)
 
 
-def _crests(strip, beads: Beads | None, floors: Vector) -> Vector:
-    """How far a side stands out (S, L) in each of the layers between ``floors``."""
-    if beads is None:
-        return levels_of(strip, floors)
-    middle = (floors[:, :-1] + floors[:, 1:]) / 2
-    own = (beads.floors[:, :-1] + beads.floors[:, 1:]) / 2
-    result = np.full(middle.shape, np.nan)
-    for row, wanted, there, crest in zip(result, middle, own, beads.crests, strict=True):
+def _matched(edges: Vector, floors: Vector, crests: Vector, pitch: float) -> Vector:
+    """The crests between own ``floors``, each for the layer between ``edges`` beside it (S, L)."""
+    wanted, own = (edges[:, :-1] + edges[:, 1:]) / 2, (floors[:, :-1] + floors[:, 1:]) / 2
+    result = np.full(wanted.shape, np.nan)
+    for row, asked, there, crest in zip(result, wanted, own, crests, strict=True):
         known = np.flatnonzero(np.isfinite(there) & np.isfinite(crest))
-        asked = np.flatnonzero(np.isfinite(wanted))
-        if not len(known) or not len(asked):
-            continue
-        nearest = known[np.abs(there[known] - wanted[asked][:, None]).argmin(axis=1)]
-        close = np.abs(there[nearest] - wanted[asked]) < beads.pitch / 2
-        row[asked[close]] = crest[nearest[close]]
+        some = np.flatnonzero(np.isfinite(asked))
+        if len(known) and len(some):
+            gaps = np.abs(there[known] - asked[some][:, None])
+            close = gaps.min(axis=1) < pitch / 2
+            row[some[close]] = crest[known[gaps.argmin(axis=1)[close]]]
     return result
 
 
@@ -174,7 +193,7 @@ def _overall(values: Vector) -> tuple[float, float]:
     return float(mean[0]), float(error[0])
 
 
-def _counted(strips, floors: Vector) -> Vector:
+def _counted(strips: dict[int, Strip], floors: Vector) -> Vector:
     """How many points are in each layer (L,)."""
     total = np.zeros(floors.shape[1] - 1)
     for strip in strips.values():

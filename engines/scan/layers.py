@@ -56,7 +56,7 @@ def _powers() -> list[tuple[int, int]]:
 
 @dataclass(frozen=True, slots=True)
 class Layers:
-    """The wave that the layers make on a face: phase = wave · (arc, z) + phase, 1 a layer.
+    """The wave that the layers make on a face: phase = wave · (arc, z), 1 a layer.
 
     ``wave`` (2,) in layers/m; ``harmonics`` (2, K) in m are the cosines and sines of the relief;
     ``trend`` the slow surface beside it. ``confidence`` is 1 − the chance that a surface without
@@ -66,7 +66,6 @@ class Layers:
     """
 
     wave: Vector
-    phase: float
     harmonics: Vector
     trend: Trend
     confidence: float
@@ -85,8 +84,8 @@ class Layers:
         return float(np.arctan2(self.wave[0], self.wave[1]))
 
     def phases(self, arc: Vector, z: Vector) -> Vector:
-        """Layers counted from the phase's zero, at these places."""
-        return self.wave[0] * arc + self.wave[1] * z + self.phase
+        """Layers counted from the middle of the piece, at these places."""
+        return self.wave[0] * arc + self.wave[1] * z
 
     def relief(self, arc: Vector, z: Vector) -> Vector:
         """What the harmonics say of the height there, in m, of mean 0 over a layer."""
@@ -110,7 +109,7 @@ def fitted(
     trend = Trend.over(cells)
     basis = trend.basis(cells.arc, cells.z)
     terms = basis.shape[1]
-    wave, phase = start.wave.copy(), start.phase
+    wave = start.wave.copy()
     relief = np.zeros((2, count))
     known = min(count, start.harmonics.shape[1])
     relief[:, :known] = start.harmonics[:, :known]
@@ -120,7 +119,7 @@ def fitted(
     scale = 1 / max(np.ptp(cells.arc), np.ptp(cells.z))
     values = np.zeros(0)
     for step in range(12):
-        turns = 2 * np.pi * (wave[0] * cells.arc + wave[1] * cells.z + phase)
+        turns = 2 * np.pi * (wave[0] * cells.arc + wave[1] * cells.z)
         slope = np.zeros(len(turns))
         for n in range(1, count + 1):
             cosine, sine = np.cos(n * turns), np.sin(n * turns)
@@ -139,7 +138,7 @@ def fitted(
         if step > 3 and np.abs(change).max() < 1e-7 * scale:
             break
     trend = replace(trend, values=values[:terms])
-    found = replace(start, wave=wave, phase=phase, harmonics=relief, trend=trend)
+    found = replace(start, wave=wave, harmonics=relief, trend=trend)
     if not errors:
         return found
     return _with_errors(found, system, cells, trust, scale)

@@ -20,17 +20,23 @@ _NEAR = 0.25  # layers a turn that still count as none or one
 
 
 def figures_of(
-    piece: Aligned, folds: Sequence[Fold], found: Sequence[Roughness], patch: Mesh, points: int
+    piece: Aligned,
+    valley: float,
+    folds: Sequence[Fold],
+    found: Sequence[Roughness],
+    patch: Mesh,
+    points: int,
 ) -> dict[str, dict[str, Any]]:
     """The figures of a piece: name → value, unit and, where known, the 95 % half-width.
 
-    ``folds`` and ``found`` are those of its faces, ``patch`` is the first face rebuilt, ``points``
-    how many the scan has.
+    ``valley`` is its phase, ``folds`` and ``found`` are those of its faces, ``patch`` is the first
+    face rebuilt, ``points`` how many the scan has.
     """
     frame, layers, first, rough = piece.frame, piece.layers, folds[0], found[0]
     table: dict[str, tuple[float, str, float | None]] = {
         "layer_height": (layers.period, "m", _TO_95 * layers.period_error),
         "tilt": (float(np.degrees(layers.tilt)), "deg", None),
+        "phase": (valley, "layers", None),
         "confidence": (layers.confidence, "", None),
         "strength": (layers.strength, "dB", None),
         "depth": (first.depth, "m", _TO_95 * np.sqrt(2) * float(np.median(first.error))),

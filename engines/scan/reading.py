@@ -12,7 +12,7 @@ from ..core.errors import SceneError
 from ..core.parameters import param, to_table
 from ..core.progress import SILENT, Progress, part
 from ..core.scene import Mesh, Scene
-from ..glass.profile import Style, normalised
+from ..glass.profile import Profile, Style
 from .align import Aligned, Search, align, placed
 from .clean import clean
 from .fold import Fold, fold
@@ -83,15 +83,15 @@ def read(scan: Scan, record: ScanReading, *, seed: int = 0, progress: Progress =
     )
     frame, inward = placed(scan, search, seed, notes)
     piece = align(scan, search, frame, inward, part(progress, 0.58, 0.76))
-    folds, found, patches = _measured(piece, seed, part(progress, 0.76, 0.97))
+    valley, folds, found, patches = _measured(piece, seed, part(progress, 0.76, 0.97))
     progress(0.97, "Comparing with the scan")
-    figures = figures_of(piece, folds, found, patches[0], len(scan.points))
+    figures = figures_of(piece, valley, folds, found, patches[0], len(scan.points))
     meta = {
         "quantity": "Relief",
         "unit": "m",
         "scan": scan.name,
         "figures": figures,
-        "frame": _frame_table(piece),
+        "frame": _frame_table(piece, valley),
         "parameters": to_table(record),
         "seed": seed,
         "version": VERSION,
@@ -106,12 +106,15 @@ def read(scan: Scan, record: ScanReading, *, seed: int = 0, progress: Progress =
 
 def _measured(
     piece: Aligned, seed: int, progress: Progress
-) -> tuple[list[Fold], list[Roughness], list[Mesh]]:
-    """Fold, roughness and patch of each face; the first one says where a layer begins."""
+) -> tuple[float, list[Fold], list[Roughness], list[Mesh]]:
+    """Phase of the valley, and fold, roughness and patch of each face.
+
+    The first face says where a layer begins.
+    """
     folds: list[Fold] = []
     found: list[Roughness] = []
     patches: list[Mesh] = []
-    valley = None
+    valley: float | None = None
     for index, face in enumerate(piece.faces):
         share = part(progress, index / len(piece.faces), (index + 1) / len(piece.faces))
         share(0.0, f"Folding the {face.name} face")
@@ -120,15 +123,17 @@ def _measured(
         _check_depth(one, layers)
         share(0.4, f"Measuring the roughness of the {face.name} face")
         rough = find_roughness(face, layers, one, valley, seed)
-        _check_share(one, rough, layers)
+        if index == 0:
+            _check_share(one, rough, layers)
         share(0.8, f"Rebuilding the {face.name} face")
         patches.append(patch_of(piece.frame, layers, one, valley, rough, face.inner))
         folds.append(one)
         found.append(rough)
-    return folds, found, patches
+    assert valley is not None
+    return valley, folds, found, patches
 
 
-def _frame_table(piece: Aligned) -> dict[str, Any]:
+def _frame_table(piece: Aligned, valley: float) -> dict[str, Any]:
     frame, layers = piece.frame, piece.layers
     return {
         "origin": frame.origin.tolist(),
@@ -139,7 +144,7 @@ def _frame_table(piece: Aligned) -> dict[str, Any]:
         "thickness": frame.thickness,
         "layer_normal": piece.layer_normal.tolist(),
         "wave": layers.wave.tolist(),
-        "phase": layers.phase,
+        "valley": valley,
     }
 
 
@@ -193,13 +198,15 @@ def _face_reading(name: str, one: Fold, rough: Roughness, patch: Mesh) -> FaceRe
 
 
 def _style(name: str, folds: list[Fold], rough: Roughness, height: float) -> Style:
-    profiles = [normalised(one.profile)[0] for one in folds]
+    """The relief; the depth is that of the deeper face, so that the other's stays what it is."""
+    depth = max(one.depth for one in folds)
+    profiles = [Profile((one.profile - one.profile.min()) / depth) for one in folds]
     return Style(
         name=Path(name).stem,
         profile=profiles[0],
         inner=profiles[-1],
         texture=rough.texture,
         height=height,
-        depth=folds[0].depth,
+        depth=depth,
         roughness=rough.rms,
     )

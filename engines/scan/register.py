@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ..core.errors import SceneError
@@ -14,6 +15,7 @@ from .settle import LOOSE, Fit, Sample, motion, settle
 
 _STARTS, _FINALISTS = 24, 6
 _FEW, _SOME, _MANY = 400, 3000, 20_000  # points to settle with: at first, finalists, at the end
+_HOPELESS = 4.0  # times the best's misfit: no finalist
 _CUT = 3e-3  # m; the farthest that a point counts as between starts
 _PROBE = 0.02  # of the lever: how far a direction is tried to see whether it is loose
 _REACH = 0.2  # of the lever: how far the tried points are looked for
@@ -59,7 +61,7 @@ class Registration:
         return np.where(self._free[3:], np.inf, np.sqrt(np.diag(self.covariance)[3:]))
 
     @property
-    def _free(self) -> Vector:
+    def _free(self) -> NDArray[np.bool_]:
         """Which of the six a loose motion has a good part of."""
         largest = np.abs(self.loose).max(axis=1, keepdims=True, initial=1e-300)
         return (np.abs(self.loose) > 0.3 * largest).any(axis=0)
@@ -90,9 +92,7 @@ def register(
     """
     rng = np.random.default_rng(seed)
     many = rng.permutation(len(sample.points))[:_MANY]
-    sample = Sample(
-        sample.points[many], None if sample.normals is None else sample.normals[many]
-    )
+    sample = Sample(sample.points[many], None if sample.normals is None else sample.normals[many])
     others: list[Vector] = []
     if start is None:
         fits = _searched(sample, target, rng, part(progress, 0.0, 0.7))
@@ -121,7 +121,8 @@ def _searched(
         fits.append(settle(sample.first(_FEW), target, pose, 15))
     best: list[Fit] = []
     for fit in sorted(fits, key=_misfit):
-        if len(best) < _FINALISTS and not any(_same(fit, other) for other in best):
+        hopeless = best and _misfit(fit) > _HOPELESS * _misfit(best[0])
+        if len(best) < _FINALISTS and not hopeless and not any(_same(fit, one) for one in best):
             best.append(fit)
     finals = []
     for index, fit in enumerate(best):
@@ -227,7 +228,7 @@ def _shows(fit: Fit, target: Target, value: float, vector: Vector) -> bool:
     return bool(value > 0 and rise / 2 > (LOOSE * length) ** 2)
 
 
-def _blocks(points: Vector) -> Vector:
+def _blocks(points: Vector) -> NDArray[np.intp]:
     """The number (N,) of the block of space that each point is in."""
     low, high = np.percentile(points, [2, 98], axis=0)
     cell = np.clip((points - low) / (high - low + 1e-300) * _BLOCKS, 0, _BLOCKS - 1).astype(int)

@@ -15,7 +15,6 @@ _FEWEST_LAYERS = 2.5
 _STEEPEST = np.radians(20.0)  # between the layers and the axis's own level
 _ENOUGH = 20_000  # cells for a first fit
 _FAINTEST = 8.0  # times its like that a wave must have to be picked by its power
-_BLUR = 3.0  # waves that the window makes one of
 _SUB = 0.1  # share of a peak's power above which half its frequency is the layers'
 
 
@@ -40,7 +39,7 @@ def find_layers(
     wave, confidence, strength = _strongest(cells, flat, shortest, longest, anywhere)
     if confidence < least:
         raise _none(cells, wave, confidence, shortest, longest, least)
-    first = Layers(wave, 0.0, np.zeros((2, 0)), trend, confidence, strength)
+    first = Layers(wave, np.zeros((2, 0)), trend, confidence, strength)
     cells = cells.thinned(_ENOUGH)
     for count in (1, 2, 4):
         first = fitted(first, cells, count)
@@ -100,7 +99,7 @@ def _strongest(
     wave = np.array([k_arc[best[0], 0], k_z[0, best[1]]])
     wave = wave if wave[1] > 0 else -wave
     oversampled = power.size / (rows * columns / 2)
-    tries = max(1.0, np.count_nonzero(wanted) / oversampled / _BLUR)
+    tries = max(1.0, np.count_nonzero(wanted) / oversampled)
     chance = -np.expm1(tries * np.log1p(-np.exp(-min(ratio[best], 700.0))))
     return wave, float(1 - chance), float(10 * np.log10(max(ratio[best], 1e-3)))
 

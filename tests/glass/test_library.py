@@ -224,7 +224,8 @@ def test_the_store_is_in_the_cache_folder_unless_it_is_named(monkeypatch, tmp_pa
         ({"amplitude_low": 0.2}, ParameterError, "amplitude_low = 0.2 is above"),
         ({"offset_low": 0.02}, ParameterError, "offset_low = 0.02 is above"),
         ({"periods": 1}, ParameterError, "periods = 1 is out of bounds"),
-        ({"machine": "nothing.toml"}, FileError, "no machine profile"),
+        ({"machine": "file", "machine_file": "nothing.toml"}, FileError, "no machine profile"),
+        ({"machine": "file"}, ParameterError, "no profile is named"),
         ({"radius": 0.005, "thickness": 0.02}, ParameterError, "no room for a wall"),
     ],
 )
