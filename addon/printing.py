@@ -154,7 +154,7 @@ def _gather(context: bpy.types.Context, analysis: Analysis) -> Gathered:
         machine=settings.machine,
         machine_file=bpy.path.abspath(settings.machine_file),
     )
-    return Gathered(obj.name, Scene((), (), ()), record, {obj.name: obj})
+    return Gathered(obj.name, Scene(), record, {obj.name: obj})
 
 
 def _stage(

@@ -154,7 +154,7 @@ def enum_items(choices: Collection[str], help: str = "") -> list[tuple[str, str,
 
 
 def _label(choice: str) -> str:
-    return _ACRONYMS.get(choice) or choice.replace("_", " ").capitalize()
+    return _ACRONYMS.get(choice) or choice.replace("_", " ").replace("-", " ").capitalize()
 
 
 # Between properties and records

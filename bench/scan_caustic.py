@@ -24,7 +24,8 @@ from pathlib import Path
 
 from _shared import OUT, save, table
 
-sys.path[0] = str(Path(__file__).resolve().parents[1] / "tests")  # bench/scan.py is not tests/scan
+sys.path.pop(0)  # scan.py beside this file is not the tests' folder scan
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from heliform.engines.glass.profile import Style
 from peers import rebuilt

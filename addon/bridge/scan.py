@@ -25,7 +25,7 @@ def _gather(context: bpy.types.Context, analysis: Analysis) -> Gathered:
     record = parameters(context.scene, ScanReading)
     if record.file:
         record = replace(record, file=bpy.path.abspath(record.file))
-    return Gathered(Path(record.file).stem or "Sample", Scene((), (), ()), record)
+    return Gathered(Path(record.file).stem or "Sample", Scene(), record)
 
 
 def _stage(
