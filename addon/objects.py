@@ -16,7 +16,7 @@ from ..engines.light.luminaires import source
 from ..engines.light.shape import lamp_outline, plane_mesh
 from .bridge.curves import closed_loops
 from .bridge.materials import is_understood
-from .bridge.meshes import lines_to_blender, to_blender
+from .bridge.meshes import digest_of, lines_to_blender, to_blender
 from .bridge.print_layers import (
     is_print_layers,
     read_modifier,
@@ -30,6 +30,9 @@ GLASS = "glass.object"
 WALL = "glass.wall"
 PLANE = "plane"
 """What a form says of a mesh that Heliform makes."""
+
+_MADE = "heliform_made"
+"""What a mesh carries of the places that its settings gave it: hands may have moved them since."""
 
 _LAMP_HEIGHT = 0.22
 _GAP = 1e-3
@@ -149,9 +152,17 @@ def rebuild(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
     try:
         if obj.mode != "OBJECT":
             raise ParameterError(f"“{obj.name}” is being edited; leave Edit Mode to change it.")
+        if _MADE in obj.data and obj.data[_MADE] != digest_of(obj.data):
+            raise ParameterError(
+                f"“{obj.name}” was changed by hand, so its settings no longer shape it; undo that, "
+                "or add a new one beside it."
+            )
         if obj.data.users > 1:
             obj.data = obj.data.copy()
-        build(obj, scale_of(scene))
+        try:
+            build(obj, scale_of(scene))
+        finally:
+            obj.data[_MADE] = digest_of(obj.data)
         problem = ""
     except HeliformError as error:
         problem = str(error)
@@ -212,6 +223,7 @@ def replace_mesh(obj: bpy.types.Object, mesh: Mesh) -> None:
     if obj.data.users > 1:
         obj.data = obj.data.copy()
     obj.heliform.form = ""
+    obj.data.pop(_MADE, None)
     to_blender(mesh, obj.data)
 
 
@@ -254,6 +266,8 @@ def _added(
 ) -> bpy.types.Object:
     """A new object at the 3D cursor, selected and active."""
     obj = bpy.data.objects.new(name, block)
+    if form:
+        block[_MADE] = digest_of(block)
     obj.location = context.scene.cursor.location
     obj.heliform.role = role
     obj.heliform.form = form

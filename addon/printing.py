@@ -137,7 +137,8 @@ def _chosen(obj: bpy.types.Object, verdict: Verdict) -> Check | None:
 def _mark(worst: Check, scale: float) -> Mark:
     assert worst.point
     x, y, z = (c / scale for c in worst.point)
-    return Mark((x, y, z), f"{worst.label}: {worst.worst:.3g} {worst.unit}")
+    word = "closest to its limit" if worst.passed else "beyond its limit"
+    return Mark((x, y, z), f"{worst.label} {worst.worst:.3g} {worst.unit}, {word}")
 
 
 # As an analysis: studies of prints

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import bpy
 from bpy.props import EnumProperty, FloatProperty
-from bpy.types import Context, Object, Operator
+from bpy.types import Context, Event, Object, Operator
 
 from ..addon import objects
 from ..addon.bridge.meshes import from_blender
@@ -80,6 +80,17 @@ class HELIFORM_OT_add_wall(ObjectMode, Operator):
     preset: EnumProperty(
         name="Preset", description="A wall to start from", items=_WALLS, default="rosette"
     )
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        """Add it, and bring it into view where it is the first thing of Heliform's."""
+        first = all(obj.heliform.role == "NONE" for obj in context.scene.objects)
+        ended = self.execute(context)
+        area = context.area
+        if first and area and area.type == "VIEW_3D":
+            region = next(r for r in area.regions if r.type == "WINDOW")
+            with context.temp_override(area=area, region=region):
+                bpy.ops.view3d.view_selected()
+        return ended
 
     def act(self, context: Context) -> None:
         """Add it; its shape is in the sidebar from then on."""

@@ -55,11 +55,15 @@ def draw_wall(layout: UILayout, obj: Object) -> None:
         row.operator("heliform.rebuild_wall", text="", icon="FILE_REFRESH")
     else:
         _draw_plan(layout, own.wall.plan, "Plan")
-        layout.prop(own.wall, "to_top")
+        layout.prop(own.wall, "to_top", text="Second Plan at the Top")
         if own.wall.to_top:
             _draw_plan(layout, own.wall.top, "Plan at the top")
-    shape = {f.name for f in fields_of(Wall) if f.kind == "record"} | {"to_top"}
-    draw(layout, own.wall, Wall, shape)
+    box = layout.box()
+    box.label(text="Outer size, 0 as the plan is")
+    box.prop(own.wall, "width")
+    box.prop(own.wall, "depth")
+    drawn = {f.name for f in fields_of(Wall) if f.kind == "record"} | {"to_top", "width", "depth"}
+    draw(layout, own.wall, Wall, drawn)
     layout.prop(own.wall.bead, "height", text="Layer Height")
 
 

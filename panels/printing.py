@@ -10,17 +10,11 @@ from ..addon import printing
 from ..addon.bridge.paths import facts_of, path_of
 from ..addon.objects import WALL
 from ..addon.properties import draw
+from ..engines.glass.checks import GEOMETRY
 from ..engines.glass.machine import FILE
 from ..engines.glass.toolpath import Spiral
 from . import Room
 from .scene import grouped
-
-_LABELS = {
-    "curvature": "Turning radius",
-    "rotary_rate": "Turning rate",
-    "turn_time_min": "Time a turn, least",
-    "turn_time_max": "Time a turn, most",
-}
 
 
 class HELIFORM_PT_print(Room, Panel):
@@ -49,15 +43,15 @@ class HELIFORM_PT_print(Room, Panel):
         row.use_property_split = False
         row.prop(obj.heliform, "gate", toggle=True, icon="CHECKMARK")
         row.prop(obj.heliform, "path", toggle=True, icon="CURVE_PATH")
-        verdict = printing.verdict_of(obj)
-        if verdict:
-            _draw_verdict(layout, verdict, obj.heliform.gate_check)
-        path = path_of(obj)
-        if path:
-            _draw_facts(layout, facts_of(path))
         row = layout.row(align=True)
         row.operator("heliform.export_gcode", text="G-code", icon="EXPORT")
         row.operator("heliform.export_solid", text="Solid", icon="MESH_CUBE")
+        path = path_of(obj)
+        if path:
+            _draw_facts(layout, facts_of(path))
+        verdict = printing.verdict_of(obj)
+        if verdict:
+            _draw_verdict(layout, verdict, obj.heliform.gate_check)
 
 
 class HELIFORM_PT_spiral(Room, Panel):
@@ -89,6 +83,8 @@ def _draw_verdict(layout: UILayout, verdict: dict[str, Any], shown: str) -> None
     )
     for check in sorted(verdict["checks"], key=lambda check: -check["share"]):
         _draw_check(box, check, check["name"] == shown)
+    if not all(check["confirmed"] for check in verdict["checks"]):
+        _wrapped(box, "? The limit is assumed. Press a line for its source and its own colours.")
 
 
 def _draw_check(box: UILayout, check: dict[str, Any], shown: bool) -> None:
@@ -96,15 +92,16 @@ def _draw_check(box: UILayout, check: dict[str, Any], shown: bool) -> None:
     name = split.row()
     name.alert = not check["passed"]
     name.alignment = "LEFT"
-    label = _LABELS.get(check["name"], check["name"].replace("_", " ").capitalize())
     icon = "CHECKMARK" if check["passed"] else "CANCEL"
-    name.operator("heliform.show_check", text=label, icon=icon, emboss=shown).name = check["name"]
-    if check["source"].startswith("geometry"):
-        split.label(text="as it should be" if check["passed"] else "see below")
+    button = name.operator("heliform.show_check", text=check["label"], icon=icon, emboss=shown)
+    button.name = check["name"]
+    if check["source"] == GEOMETRY and check["passed"]:
+        split.label(text="Yes")
     else:
-        sign = "" if check["confirmed"] else " ?"
-        worst, limit = f"{check['worst']:.3g}", f"{check['limit']:.3g} {check['unit']}"
-        split.label(text=f"{worst} of {limit}{sign}")
+        sign = "≥" if check["least"] else "≤"
+        doubt = "" if check["confirmed"] else " ?"
+        limit = f"{check['limit']:.3g} {check['unit']}"
+        split.label(text=f"{check['worst']:.3g} {sign} {limit}{doubt}")
     if shown or not check["passed"]:
         _wrapped(box, check["sentence"])
         _wrapped(box, check["source"])
@@ -113,7 +110,7 @@ def _draw_check(box: UILayout, check: dict[str, Any], shown: bool) -> None:
 def _wrapped(box: UILayout, text: str) -> None:
     column = box.column(align=True)
     column.scale_y = 0.8
-    for line in textwrap.wrap(text, 38):
+    for line in textwrap.wrap(text, 34):
         column.label(text=line, icon="BLANK1")
 
 

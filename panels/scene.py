@@ -55,7 +55,6 @@ class HELIFORM_PT_heliform(Sidebar, Panel):
         """The buttons that add, and the lists."""
         layout = self.layout
         row = layout.row(align=True)
-        row.operator("heliform.add_glass_object", text="Glass", icon="MESH_CYLINDER")
         row.operator("heliform.add_wall", text="Wall", icon="MOD_CLOTH")
         row.operator("heliform.add_lamp", text="Lamp", icon="LIGHT_SPOT")
         row.operator("heliform.add_receiver", text="Receiver", icon="MESH_PLANE")

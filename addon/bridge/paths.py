@@ -34,7 +34,7 @@ def path_to_blender(
         obj[_OWNER] = owner
         obj.parent = owner
         obj.hide_render = True
-        obj.show_in_front = False
+        obj.show_in_front = True  # it lies inside the wall
         for collection in owner.users_collection:
             collection.objects.link(obj)
     else:

@@ -39,6 +39,24 @@ _SAID = {
 }
 """What each check measures, in which unit it is told, and the remedy."""
 
+_LABELS = {
+    "closure": "First turn closes",
+    "rising": "Never goes down",
+    "travel": "No idle move",
+    "curvature": "Turning radius",
+    "rotary_rate": "Bed's turning",
+    "rotary_acceleration": "Bed's speeding up",
+    "turn_time_min": "Time a turn, least",
+    "turn_time_max": "Time a turn, most",
+    "overlap": "Lies on turn below",
+    "room": "Room in a turn",
+    "room_between": "Room between turns",
+    "reach": "Reach",
+    "bed": "Space on the bed",
+    "width": "Bead width",
+}
+"""Names where a check's own word says too little."""
+
 _PASSED = {
     "closure": "The first turn closes.",
     "rising": "The path never goes down.",
@@ -57,10 +75,11 @@ class Check:
     """One line of the gate.
 
     ``worst`` and ``limit`` are in ``unit``, where the path comes closest to the limit or goes
-    beyond it: at ``point`` (3,) in m and ``turn``, None for what has no place. ``share`` is what it
-    takes of the limit there, above 1 beyond it. ``source`` says where the limit is from,
-    ``confirmed`` whether that is confirmed. ``sentence`` tells it all. ``utilisation`` (N,) is the
-    share at each point of the path; None where it is one number, or was not asked for.
+    beyond it, ``least`` where it must not fall short of that: at ``point`` (3,) in m and ``turn``,
+    None for what has no place. ``share`` is what it takes of the limit there, above 1 beyond it.
+    ``source`` says where the limit is from, ``confirmed`` whether that is confirmed. ``sentence``
+    tells it all. ``utilisation`` (N,) is the share at each point of the path; None where it is one
+    number, or was not asked for.
     """
 
     name: str
@@ -68,6 +87,7 @@ class Check:
     share: float
     worst: float
     limit: float
+    least: bool
     unit: str
     turn: float | None
     point: tuple[float, float, float] | None
@@ -79,16 +99,18 @@ class Check:
     @property
     def label(self) -> str:
         """The name as a person reads it."""
-        return self.name.replace("_", " ").capitalize()
+        return _LABELS.get(self.name) or self.name.replace("_", " ").capitalize()
 
     def as_table(self) -> dict[str, Any]:
         """The check in plain values, without its map."""
         return {
             "name": self.name,
+            "label": self.label,
             "passed": self.passed,
             "share": self.share,
             "worst": self.worst,
             "limit": self.limit,
+            "least": self.least,
             "unit": self.unit,
             "turn": self.turn,
             "point": None if self.point is None else list(self.point),
@@ -146,6 +168,7 @@ def check(
         share=float(share),
         worst=worst,
         limit=limit,
+        least=below,
         unit=unit,
         turn=None if spot is None else float(spot.turn),
         point=None if spot is None else (*(float(v) for v in spot.point),),  # type: ignore[arg-type]

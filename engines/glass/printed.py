@@ -15,8 +15,10 @@ from .wall import Section, half_layers, levels, wall_section
 
 __all__ = ["Wall", "wall_mesh", "wall_skin"]
 
-_STEEPNESS = 0.35  # a face's height over its width: the bead bends far more than the base curve
+_STEEPNESS = 0.08  # a face's height over its width: the bead bends far more than the base curve
 _FEWEST_AROUND = 24
+_COARSEST = 2  # steps to a half layer that a bead has before a tight bend takes points from it
+_TURN = 0.1  # rad that a plan may turn from point to point in its tightest bend
 _AROUND = 512  # places around at which a blended wall is tested for overlaps
 _BENDS = 129  # heights at which its bends are, and of these every eighth its sides
 _SIDES = 8
@@ -107,16 +109,23 @@ def _heights(loft: Loft) -> Vector:
     return np.zeros(1) if loft.prismatic else np.linspace(0.0, loft.height, _MEAN)
 
 
+def _tightest(loft: Loft) -> float:
+    """The largest curvature of a horizontal section in 1/m."""
+    turn = np.arange(_AROUND) / _AROUND
+    return float(np.abs(loft.at(turn, _heights(loft)[:, None]).curvature).max())
+
+
 def _grid(wall: Wall, loft: Loft) -> tuple[int, int, int]:
     """Points around, steps to a half layer and rings to a rim that come to the face count."""
     length = float(loft.length(_heights(loft)).mean())
     ideal = np.sqrt(_STEEPNESS * wall.faces * length / (2 * loft.height))
     rings = max(1, round((wall.thickness - 2 * wall.bead.depth) * ideal / length))
     finest = max(1, round(wall.bead.height / 2 * ideal / (_STEEPNESS * length)))
+    fewest = max(_FEWEST_AROUND, int(np.ceil(length * _tightest(loft) / _TURN)))
     for parts in range(finest, 0, -1):
         rows = len(levels(loft.height, wall.bead, parts)) - 1
         around = round(wall.faces / (2 * (rows + rings)))
-        if around >= _FEWEST_AROUND:
+        if around >= (fewest if parts > _COARSEST else _FEWEST_AROUND):
             return around, parts, rings
     halves = half_layers(loft.height, wall.bead)
     raise ParameterError(

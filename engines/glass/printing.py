@@ -172,4 +172,7 @@ def notes_on(record: Print, path: Toolpath, verdict: Verdict) -> list[str]:
 
 
 def _placed(table: dict[str, Any]) -> dict[str, Any]:
-    return table | {"point": None if table["point"] is None else tuple(table["point"])}
+    """What a table of a check says of its fields; the label follows from the name."""
+    point = table["point"]
+    known = {name: value for name, value in table.items() if name != "label"}
+    return known | {"point": None if point is None else tuple(point)}

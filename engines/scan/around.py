@@ -50,6 +50,15 @@ class Around:
                 offset[some] += share * (offset_up - offset[some])
         return turn, offset
 
+    def outward(self, points: Vector) -> Vector:
+        """The outline's outward unit normals in plan (N, 2) beside points (N, 3) in m."""
+        place = np.interp(points[:, 2], self.levels, np.arange(len(self.levels), dtype=float))
+        level = np.round(place).astype(int)
+        count = self.outlines.shape[1]
+        at = (self.unroll(points)[0] * count).astype(int) % count
+        side = self.outlines[level, (at + 1) % count] - self.outlines[level, at]
+        return np.column_stack([side[:, 1], -side[:, 0]]) / np.hypot(*side.T)[:, None]
+
 
 def around_of(mesh: Mesh, pitch: float = 0.0) -> Around | None:
     """The outlines of a wall that stands upright, None where it has none.

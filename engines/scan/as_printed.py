@@ -116,7 +116,7 @@ def compared(
     progress(0.8, "Spreading the deviation over the design")
     deviation = spread(feet, design.target, record.near)
     progress(0.9, "Measuring the layers")
-    wall = Sides(moved[deviation.belongs], design.side[feet.face[deviation.belongs]])
+    wall = design.unroll(moved[deviation.belongs], feet.face[deviation.belongs])
     found = _found(wall, design, pose.scale)
     value = feet.distance[deviation.belongs]
     measured = Measured(design, pose, deviation, found, len(points))
@@ -186,8 +186,8 @@ def _sized(scan: Scan, design: Design, unit: str) -> tuple[Vector, list[str]]:
         return scan.points * factor, notes
     if ratio > 1:
         raise SceneError(
-            f"The scan “{scan.name}” is {size} than “{design.name}”, in no unit as large; check that "
-            "nothing but this piece was scanned."
+            f"The scan “{scan.name}” is {size} than “{design.name}”, and in no unit alike; check "
+            "that nothing but this piece was scanned."
         )
     return scan.points, notes  # of a part of the piece; whether it fits will be seen
 
@@ -221,7 +221,7 @@ def _found(wall: Sides, design: Design, scale: float) -> Found | None:
     """Layers and widths in the scan's own size, None without a wall or enough of it."""
     if design.around is None or np.count_nonzero(wall.side) < _FEWEST:
         return None
-    return grown(layers_of(wall, design.around), 1 / scale)
+    return grown(layers_of(wall), 1 / scale)
 
 
 def _picture(wall: Sides, value: Vector, design: Design, side: int) -> Vector:
@@ -229,8 +229,7 @@ def _picture(wall: Sides, value: Vector, design: Design, side: int) -> Vector:
     some = wall.side == side
     if np.count_nonzero(some) < _FEWEST:
         return np.zeros((0, 0))
-    points = wall.points[some]
-    return picture_of(design.turn(points), points[:, 2], value[some], design.girth)
+    return picture_of(wall.turn[some], wall.z[some], value[some], design.girth)
 
 
 def _pose_table(pose: Registration) -> dict[str, Any]:

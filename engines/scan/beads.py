@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..core.scene import Vector
 
 SECTORS = 48
-_BIN = 2e-4  # m along z
+_BIN, _IN_CELL = 2e-4, 3  # m along z, or more for so many points in a cell
 _SHORTEST, _LONGEST = 5e-4, 2e-2  # m, what a layer may measure
 _FEWEST = 4  # layers
 _FINE = 4  # frequencies tried for each that can be told apart
@@ -65,7 +65,7 @@ class Beads:
 
 def strip_of(turn: Vector, z: Vector, offset: Vector, low: float, high: float) -> Strip:
     """The strip between two heights of N points, ``turn`` 0..1, the others in m."""
-    bins = int(np.clip(round((high - low) / _BIN), 64, 8192))
+    bins = int(np.clip(min((high - low) / _BIN, len(z) / SECTORS / _IN_CELL), 64, 8192))
     sector = np.minimum((turn * SECTORS).astype(int), SECTORS - 1)
     level = np.floor((z - low) / (high - low) * bins).astype(int)
     inside = (level >= 0) & (level < bins)

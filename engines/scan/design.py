@@ -1,8 +1,10 @@
 """The design that a finished piece is compared with: its surface, its sides, its own layers."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.errors import SceneError
 from ..core.scene import Body, Vector
@@ -11,9 +13,8 @@ from .closest import Target, target_of
 from .found import Found, Sides, layers_of
 from .settle import lever_of
 
-_SAMPLED = 300_000  # points that its layers are measured from
+_GLANCED, _SAMPLED = 100_000, 300_000  # points to see its layers, and to measure them from
 _RIM = 0.9  # of a face's normal is upright, or it is a side
-_ASIDE = 1e-5  # m, by which a face is stepped off to see on which side it is
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,12 +38,14 @@ class Design:
         """Its layer height in m, 0 without layers."""
         return self.found.pitch if self.found and np.isfinite(self.found.pitch) else 0.0
 
-    def turn(self, points: Vector) -> Vector:
-        """The share of a turn (N,) at which points (N, 3) in m lie."""
+    def unroll(self, points: Vector, faces: NDArray[np.integer[Any]]) -> Sides:
+        """Points (N, 3) in m that belong to the triangles ``faces`` (N,), around the wall."""
+        side = self.side[faces]
         if self.around:
-            return self.around.unroll(points)[0]
+            return Sides(points[:, 2], side, *self.around.unroll(points))
         middle = self.target.anchors[:, :2].mean(axis=0)
-        return np.mod(np.arctan2(*(points[:, :2] - middle).T[::-1]) / (2 * np.pi), 1.0)
+        turn = np.mod(np.arctan2(*(points[:, :2] - middle).T[::-1]) / (2 * np.pi), 1.0)
+        return Sides(points[:, 2], side, turn, np.zeros(len(points)))
 
     @property
     def girth(self) -> float:
@@ -60,23 +63,23 @@ def design_of(body: Body, seed: int = 0) -> Design:
             "mesh of the wall."
         )
     target = target_of(body.mesh)
-    sample, face = target.sample(_SAMPLED, np.random.default_rng(seed))
     around = around_of(target.mesh)
-    side, found = _sides(target, around), None
+    sample, face = target.sample(_SAMPLED, np.random.default_rng(seed))
     if around:
-        found = layers_of(Sides(sample, side[face]), around)
-        if np.isfinite(found.pitch):
-            around = around_of(target.mesh, found.pitch) or around
-            found = layers_of(Sides(sample, side[face]), around)
-    return Design(body.name, target, side, around, found, lever_of(sample))
-
-
-def _sides(target: Target, around: Around | None) -> Vector:
-    """On which side each triangle is (F,): where a step off it leads."""
+        some = slice(0, _GLANCED)
+        side = _sides(sample[some], target.normals[face[some]], around)
+        glance = layers_of(Sides(sample[some, 2], side, *around.unroll(sample[some])))
+        if glance.rhythmic:
+            around = around_of(target.mesh, glance.pitch) or around
     middle = target.mesh.vertices[target.mesh.faces].mean(axis=1)
-    if around:
-        step = around.unroll(middle + _ASIDE * target.normals)[1] - around.unroll(middle)[1]
-    else:
-        centre = target.anchors[:, :2].mean(axis=0)
-        step = ((middle[:, :2] - centre) * target.normals[:, :2]).sum(axis=1)
-    return np.where(np.abs(target.normals[:, 2]) > _RIM, 0.0, np.sign(step))
+    side, size = _sides(middle, target.normals, around), lever_of(sample)
+    design = Design(body.name, target, side, around, None, size)
+    return replace(design, found=layers_of(design.unroll(sample, face))) if around else design
+
+
+def _sides(points: Vector, normals: Vector, around: Around | None) -> Vector:
+    """On which side points (N, 3) of the surface are, by where their ``normals`` look (N,)."""
+    plan = points[:, :2]
+    out = around.outward(points) if around else plan - np.median(plan, axis=0)
+    look = (normals[:, :2] * out).sum(axis=1)
+    return np.where(np.abs(normals[:, 2]) > _RIM, 0.0, np.sign(look))

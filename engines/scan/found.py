@@ -6,7 +6,6 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from ..core.scene import Vector
-from .around import Around
 from .beads import SECTORS, Beads, Strip, beads_of, crests_of, levels_of, strip_of
 
 _BAND = 5e-3  # m; the height of a band where there are no layers to measure
@@ -77,16 +76,21 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Sides:
-    """Points of a wall: places (N, 3) in m, and on which side: 1 out, −1 in, 0 on a rim (N,)."""
+    """Points of a wall, unrolled; all (N,).
 
-    points: Vector
+    ``z`` in m; ``side`` is 1 outside, −1 inside and 0 on a rim; ``turn`` in 0..1 along the
+    design's outline, ``offset`` in m out of it.
+    """
+
+    z: Vector
     side: Vector
+    turn: Vector
+    offset: Vector
 
 
-def layers_of(wall: Sides, around: Around) -> Found:
-    """The layers and widths of a wall, unrolled around the design's outline."""
-    turn, offset = around.unroll(wall.points)
-    z = wall.points[:, 2]
+def layers_of(wall: Sides) -> Found:
+    """The layers and widths of a wall."""
+    z, turn, offset = wall.z, wall.turn, wall.offset
     low, high = _ends(wall)
     strips = {
         side: strip_of(turn[which], z[which], side * offset[which], low, high)
@@ -142,14 +146,14 @@ def grown(found: Found, scale: float) -> Found:
 
 def _ends(wall: Sides) -> tuple[float, float]:
     """The heights between which nearly all of the sides lie."""
-    z = wall.points[wall.side != 0, 2]
+    z = wall.z[wall.side != 0]
     low, high = np.percentile(z, [0.2, 99.8])
     return float(low), float(high)
 
 
 def _with_ends(beads: Beads, wall: Sides, low: float, high: float) -> Vector:
     """The floors (S, K + 2), with the rims where they were seen."""
-    rims = wall.points[wall.side == 0, 2]
+    rims = wall.z[wall.side == 0]
     ends = []
     for end in (low, high):
         at = rims[np.abs(rims - end) < beads.pitch / 2]

@@ -99,7 +99,7 @@ def register(
         fits += _slipped(fits[0], pitch, sample.first(_SOME), target, part(progress, 0.7, 0.8))
         start, *others = _alike(fits)
     progress(0.8, "Settling with many points")
-    fit = settle(sample, target, start, 30, rest=1e-7, fit_scale=fit_scale)
+    fit = settle(sample, target, start, 30, rest=1e-6, fit_scale=fit_scale)
     if np.count_nonzero(fit.weights) < 50:
         raise SceneError(
             "The scan touches the design nowhere; check that it is a scan of this piece, or move "

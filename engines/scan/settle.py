@@ -1,7 +1,8 @@
 """Iterated closest points: a scan settles onto its design from a start near by.
 
 The distances are those to the surface itself, edges and all, weighted by Tukey's function of a
-robust deviation that shrinks as the scan settles [Chen & Medioni 1992; Bergström & Edlund 2014].
+robust deviation that shrinks as the scan settles [Chen & Medioni 1992; Bergström & Edlund 2014];
+steps that go on in one direction grow, as Besl & McKay's [1992] do.
 """
 
 from dataclasses import dataclass
@@ -16,6 +17,8 @@ LOOSE = 0.01
 """A motion of which less than this shows in the distances is one that the shape leaves loose."""
 
 _TUKEY = 4.685  # deviations beyond which a point has no weight
+_FASTER, _FASTEST = 1.5, 20.0  # times its length that a step becomes, each time and at most
+_SAME_WAY = 0.8  # cosine between steps that go on
 _MISSED = 0.05  # of the design's size beyond which a point surely missed
 
 
@@ -86,7 +89,8 @@ def settle(
     """The pose from the start ``matrix`` (4, 4), after a step below ``rest`` in m or ``rounds``."""
     missed = _MISSED * float(np.linalg.norm(np.ptp(target.anchors, axis=0)))
     lever = lever_of(sample.points)
-    still, count = False, 0
+    still, count, gain = False, 0, 1.0
+    last = np.zeros(6 + fit_scale)
     while True:
         moved = sample.points @ matrix[:3, :3].T + matrix[:3, 3]
         feet = closest(moved, target, missed)
@@ -96,9 +100,16 @@ def settle(
         pivot = moved.mean(axis=0)
         terms = _terms(moved - pivot, feet.toward, lever, fit_scale)
         step = _step(terms, feet.distance, weights)
-        matrix = motion(step, pivot, lever) @ matrix
+        gain = min(_FASTER * gain, _FASTEST) if _onward(step, last) else 1.0
+        matrix = motion(gain * step, pivot, lever) @ matrix
+        last = step
         count += 1
         still = bool(np.linalg.norm(step) < rest)
+
+
+def _onward(step: Vector, last: Vector) -> bool:
+    """Whether a step goes the way of the last one, as when a scan slides slowly along a wall."""
+    return bool(step @ last > _SAME_WAY * np.linalg.norm(step) * np.linalg.norm(last) > 0)
 
 
 def lever_of(points: Vector) -> float:

@@ -53,7 +53,7 @@ def test_the_gate_follows_the_sliders_and_says_what_is_wrong(wall):
 def test_one_check_is_shown_alone_and_all_again(wall):
     wall.heliform.gate = True
     bpy.ops.heliform.show_check(name="curvature")
-    assert layers.layer_of(wall).quantity == "Curvature"
+    assert layers.layer_of(wall).quantity == "Turning radius"
     bpy.ops.heliform.show_check(name="curvature")
     assert layers.layer_of(wall).quantity == "Print limits"
 

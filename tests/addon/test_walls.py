@@ -204,3 +204,12 @@ def test_a_drawn_curve_becomes_the_cross_section(scene):
     assert relief.amplitude == pytest.approx(0.001, rel=0.02)
     assert relief.height == pytest.approx(0.005, rel=1e-3)
     assert style.profile.at(0.5) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_mesh_that_was_changed_by_hand_is_left_alone(scene):
+    obj = add()
+    bpy.ops.object.modifier_apply(modifier=relief_of(obj).name)
+    applied = places_of(obj.data)
+    obj.heliform.wall.height = 0.1
+    assert "was changed by hand" in obj.heliform.problem
+    np.testing.assert_array_equal(places_of(obj.data), applied)

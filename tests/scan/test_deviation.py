@@ -123,7 +123,7 @@ def test_layers_of_uneven_height_are_found_one_by_one():
     piece = Piece(uneven=1.5e-4)
     around = around_of(Mesh(*Piece().mesh()), Piece().layer)
     points = unposed(piece, points=200_000, missing=0.3)
-    found = layers_of(Sides(points, np.ones(len(points))), around)
+    found = layers_of(Sides(points[:, 2], np.ones(len(points)), *around.unroll(points)))
     floors = piece.floors
     np.testing.assert_allclose(found.layers.height, np.diff(floors)[1:-1], atol=5e-5)
     np.testing.assert_allclose(found.layers.z, (floors[1:-2] + floors[2:-1]) / 2, atol=5e-5)
@@ -148,8 +148,9 @@ def test_a_wall_without_relief_has_a_width_and_no_layers():
     piece = Piece(sag=0.0)
     around = around_of(Mesh(*piece.mesh()))
     points = unposed(piece, points=100_000, inside=True, missing=0.2)
-    offset = around.unroll(points)[1]
-    found = layers_of(Sides(points, np.where(offset > -piece.wall / 2, 1.0, -1.0)), around)
+    turn, offset = around.unroll(points)
+    side = np.where(offset > -piece.wall / 2, 1.0, -1.0)
+    found = layers_of(Sides(points[:, 2], side, turn, offset))
     assert not found.rhythmic
     assert found.width == pytest.approx(piece.wall, abs=2e-5)
     assert len(found.layers.z) == 0
