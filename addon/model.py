@@ -22,8 +22,9 @@ from ..engines.scan import Comparison, ScanReading
 from . import printing
 from .bridge import layers, scan
 from .bridge.lights import BlenderLight
-from .objects import WALL, rebuild
-from .properties import group_for, groups
+from .bridge.walls import WALL
+from .objects import rebuild
+from .properties import group_for, group_name, groups, scale_of, settle
 
 ROLES = (
     ("NONE", "None", "Heliform does not see it", 0),
@@ -39,23 +40,21 @@ SOURCES = (
 
 
 def _rebuild(group: Any, context: bpy.types.Context) -> None:
-    obj = group.id_data
-    rebuild(obj, context.scene)
-    if obj.heliform.form == WALL and not obj.heliform.problem:
-        printing.refresh(obj, context)
+    rebuild(group.id_data, context.scene)
 
 
 def _show_print(group: Any, context: bpy.types.Context) -> None:
-    printing.refresh(group.id_data, context)
+    printing.refresh(group.id_data, context.scene)
     if group.gate:
         layers.show_in_views(context)
 
 
 def _reprint(group: Any, context: bpy.types.Context) -> None:
     """Another machine or another spiral: every wall that shows its print shows it anew."""
-    for obj in context.scene.objects:
+    scene = group.id_data
+    for obj in scene.objects:
         if obj.heliform.form == WALL and (obj.heliform.gate or obj.heliform.path):
-            printing.refresh(obj, context)
+            printing.refresh(obj, scene)
 
 
 def _is_read(scene: Any, obj: bpy.types.Object) -> bool:
@@ -149,7 +148,19 @@ class HELIFORM_PG_scene(bpy.types.PropertyGroup):
     )
 
 
+SETTINGS = (PhotonTracing, Display, ScanReading, Comparison, Spiral)
+"""The records that a scene holds."""
+
 OWNERS = ((bpy.types.Object, HELIFORM_PG_object), (bpy.types.Scene, HELIFORM_PG_scene))
+
+
+@bpy.app.handlers.persistent
+def settle_scenes(*_: object) -> None:
+    """Have panels show the lengths of settings that nobody has touched in the scene's units."""
+    for scene in bpy.data.scenes:
+        if scale_of(scene) != 1:
+            for record in SETTINGS:
+                settle(getattr(scene.heliform, group_name(record)), record, scale_of(scene))
 
 
 def register() -> None:
@@ -158,10 +169,12 @@ def register() -> None:
         bpy.utils.register_class(group)
     for owner, group in OWNERS:
         owner.heliform = PointerProperty(type=group, name="Heliform")
+    bpy.app.handlers.load_post.append(settle_scenes)
 
 
 def unregister() -> None:
     """Take ``heliform`` from objects and scenes again."""
+    bpy.app.handlers.load_post.remove(settle_scenes)
     for owner, _ in reversed(OWNERS):
         del owner.heliform
     for group in reversed(_all()):

@@ -7,14 +7,16 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..engines.core.errors import HeliformError, ParameterError, SceneError
-from ..engines.core.scene import Lamp, Luminaire, Mesh, Plane, Vector
+from ..engines.core.errors import HeliformError, ParameterError
+from ..engines.core.scene import Lamp, Luminaire, Mesh, Plane
 from ..engines.glass import GlassObject, glass_object
 from ..engines.glass.loft import Wall
 from ..engines.glass.printed import wall_skin
+from ..engines.glass.profile import STYLES, Style
+from ..engines.glass.relief import Relief, check_relief
 from ..engines.light.luminaires import source
 from ..engines.light.shape import lamp_outline, plane_mesh
-from .bridge.curves import closed_loops
+from . import printing
 from .bridge.materials import is_understood
 from .bridge.meshes import digest_of, lines_to_blender, to_blender
 from .bridge.print_layers import (
@@ -24,15 +26,18 @@ from .bridge.print_layers import (
     write_modifier,
 )
 from .bridge.read import lamp_record
+from .bridge.walls import WALL, drawn_by, wall_of
 from .properties import read, scale_of, write
 
 GLASS = "glass.object"
-WALL = "glass.wall"
 PLANE = "plane"
 """What a form says of a mesh that Heliform makes."""
 
 _MADE = "heliform_made"
 """What a mesh carries of the places that its settings gave it: hands may have moved them since."""
+
+_FOOT = "heliform_foot"
+"""Where the foot of a wall on curves was when it was built, in Blender units."""
 
 _LAMP_HEIGHT = 0.22
 _GAP = 1e-3
@@ -60,48 +65,18 @@ def add_wall(
     Raises HeliformError where there can be none; adds nothing then.
     """
     scale = scale_of(context.scene)
-    drawn, foot = curves_of(curves, context.evaluated_depsgraph_get(), scale)
-    mesh, skin = wall_skin(record, drawn)
+    loops, foot = drawn_by(curves, scale)
+    mesh, skin = wall_skin(record, loops)
     block = to_blender(_resized(mesh, 1 / scale), name)
     skin_to_blender(skin, block, scale)
     block.materials.append(_glass_material())
     obj = _added(context, name, block, "BODY", WALL)
     if curves:
-        obj.location = foot / scale
+        obj.location = obj[_FOOT] = foot / scale
     for curve in curves:
         obj.heliform.curves.add().object = curve
     write(obj.heliform.wall, record, scale)
     return obj
-
-
-def wall_of(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Wall, list[Vector]]:
-    """What a wall object says of its wall, and the curves that it follows, about its foot in m.
-
-    Raises SceneError where a curve is gone or is none.
-    """
-    scale = scale_of(context.scene)
-    curves = [entry.object for entry in obj.heliform.curves]
-    if not all(curves):
-        raise SceneError(
-            f"A curve that “{obj.name}” follows was deleted; choose its curves again, or undo."
-        )
-    drawn, _ = curves_of(curves, context.evaluated_depsgraph_get(), scale)
-    return read(obj.heliform.wall, Wall, scale), drawn
-
-
-def curves_of(
-    curves: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph, scale: float
-) -> tuple[list[Vector], Vector]:
-    """The closed loops of the curves (M, 3) in m, about the foot (3,) of the wall on them.
-
-    The foot is below the middle of the lowest loop. Raises SceneError for what is no closed curve.
-    """
-    loops = [scale * loop for curve in curves for loop in closed_loops(curve, depsgraph)]
-    if not loops:
-        return [], np.zeros(3)
-    lowest = min(loops, key=lambda loop: loop[:, 2].mean())
-    foot = (lowest.min(axis=0) + lowest.max(axis=0)) / 2
-    return [loop - foot for loop in loops], foot
 
 
 def add_lamp(context: bpy.types.Context, record: Lamp, name: str) -> bpy.types.Object:
@@ -160,7 +135,7 @@ def rebuild(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
         if obj.data.users > 1:
             obj.data = obj.data.copy()
         try:
-            build(obj, scale_of(scene))
+            build(obj, scene)
         finally:
             obj.data[_MADE] = digest_of(obj.data)
         problem = ""
@@ -168,6 +143,8 @@ def rebuild(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
         problem = str(error)
     if own.problem != problem:
         own.problem = problem
+    if own.form == WALL and not problem:
+        printing.refresh(obj, scene)
 
 
 def set_wall(obj: bpy.types.Object, record: Wall, scene: bpy.types.Scene) -> None:
@@ -227,30 +204,51 @@ def replace_mesh(obj: bpy.types.Object, mesh: Mesh) -> None:
     to_blender(mesh, obj.data)
 
 
-def _glass(obj: bpy.types.Object, scale: float) -> None:
+def _glass(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
+    scale = scale_of(scene)
     mesh = glass_object(read(obj.heliform.glass_object, GlassObject, scale))
     to_blender(_resized(mesh, 1 / scale), obj.data)
 
 
-def _wall(obj: bpy.types.Object, scale: float) -> None:
-    record, drawn = wall_of(obj, bpy.context)
-    mesh, skin = wall_skin(record, drawn)
+def _wall(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
+    scale = scale_of(scene)
+    record, drawn = wall_of(obj, scene)
+    reliefs = [
+        _fitted(modifier, record, scale) for modifier in filter(is_print_layers, obj.modifiers)
+    ]
+    mesh, skin = wall_skin(record, drawn.loops)
     to_blender(_resized(mesh, 1 / scale), obj.data)
     skin_to_blender(skin, obj.data, scale)
-    for modifier in filter(is_print_layers, obj.modifiers):
-        relief, style = read_modifier(modifier, scale)
-        if relief.height != record.bead.height:
-            write_modifier(modifier, replace(relief, height=record.bead.height), style, scale)
+    for modifier, relief, style in reliefs:
+        write_modifier(modifier, relief, style, scale)
+    if _FOOT in obj:  # the wall goes where the curves went, wherever it was put since
+        foot = drawn.foot / scale
+        obj.location = np.array(obj.location) + foot - np.array(obj[_FOOT])
+        obj[_FOOT] = foot
 
 
-def _plane(obj: bpy.types.Object, scale: float) -> None:
+def _fitted(
+    modifier: bpy.types.Modifier, record: Wall, scale: float
+) -> tuple[bpy.types.Modifier, Relief, Style]:
+    """A modifier with the relief for the wall's layers. Raises ParameterError where none fits."""
+    relief, style = read_modifier(modifier, scale)
+    relief = replace(relief, height=record.bead.height)
+    check_relief(relief, record.thickness)
+    if relief.style in STYLES:
+        style = STYLES[relief.style](relief.height, relief.amplitude)
+    return modifier, relief, style
+
+
+def _plane(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
+    scale = scale_of(scene)
     mesh, texture = plane_mesh(read(obj.heliform.plane, Plane, scale))
     to_blender(_resized(mesh, 1 / scale), obj.data)
     layer = obj.data.uv_layers.active or obj.data.uv_layers.new(name="UVMap")
     layer.uv.foreach_set("vector", texture.ravel())
 
 
-def _lamp(obj: bpy.types.Object, scale: float) -> None:
+def _lamp(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
+    scale = scale_of(scene)
     luminaire = Luminaire(obj.name, lamp_record(obj, scale))
     points, edges = lamp_outline(luminaire)
     lines_to_blender(points / scale, edges, obj.data)

@@ -2,37 +2,29 @@
 
 import json
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
 
-from ..engines.core.analysis import Analysis
-from ..engines.core.colour import ColourScale
+from ..engines.core.colour import ColourScale, Display, Palette
 from ..engines.core.errors import HeliformError, SceneError
-from ..engines.core.parameters import from_table
-from ..engines.core.scene import Scene, Vector
+from ..engines.core.scene import Vector
 from ..engines.glass.gate import Check, Verdict, gate
 from ..engines.glass.loft import Loft, Wall, wall_loft
 from ..engines.glass.machine import FILE, PROFILES, Machine, chosen_machine
-from ..engines.glass.printing import Print as PrintRecord
-from ..engines.glass.printing import Printed
-from ..engines.glass.profile import Style, scalloped
-from ..engines.glass.relief import Relief
 from ..engines.glass.toolpath import Spiral, Toolpath, spiral
-from . import objects
 from .bridge import layers
 from .bridge.layers import Layer, Mark
 from .bridge.meshes import places_of
 from .bridge.paths import path_of, path_to_blender
-from .bridge.print_layers import add_modifier, skin_from_blender
-from .properties import enum_items, read, scale_of, write
-from .staging import Gathered, Objects, Staging
+from .bridge.print_layers import skin_from_blender
+from .bridge.walls import wall_of
+from .properties import enum_items, read, scale_of
 
 MACHINES = enum_items([*PROFILES, FILE], "Machine profile: shipped, or a TOML file of your own")
 
-_VERDICT = "heliform_verdict"
+_VERDICT, _PROBLEM = "heliform_verdict", "heliform_print_problem"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,36 +50,48 @@ def print_of(obj: bpy.types.Object, context: bpy.types.Context) -> Print:
 
     Raises HeliformError where there is no such wall, path or machine.
     """
-    wall, curves = objects.wall_of(obj, context)
-    record = read(context.scene.heliform.spiral, Spiral, scale_of(context.scene))
+    return _print_of(obj, context.scene)
+
+
+def _print_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> Print:
+    if any(abs(side - 1) > 1e-6 for side in obj.matrix_world.to_scale()):
+        raise SceneError(
+            f"“{obj.name}” is scaled, which its print would not be; set its scale to 1 and change "
+            "width, depth, height and thickness instead."
+        )
+    wall, drawn = wall_of(obj, scene)
+    record = read(scene.heliform.spiral, Spiral, scale_of(scene))
     record = replace(record, layer_height=wall.bead.height)
-    machine = machine_of(context.scene)
-    loft = wall_loft(wall, curves)
+    machine = machine_of(scene)
+    loft = wall_loft(wall, drawn.loops)
     path = spiral(loft, wall.thickness, record, machine)
     return Print(wall, loft, record, machine, path, gate(loft, wall.thickness, path, machine))
 
 
-def refresh(obj: bpy.types.Object, context: bpy.types.Context) -> None:
+def refresh(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
     """Bring what is shown of the wall's print up to date: its gate, its path, both or neither.
 
     What cannot be shown is taken away, and ``obj.heliform.problem`` says why.
     """
     own = obj.heliform
+    if own.problem == obj.pop(_PROBLEM, None):
+        own.problem = ""
     shown = None
     if own.gate or own.path:
         try:
-            shown = print_of(obj, context)
+            shown = _print_of(obj, scene)
         except HeliformError as error:
-            own.problem = str(error)
+            own.problem = obj[_PROBLEM] = str(error)
     if shown and own.gate:
         obj[_VERDICT] = json.dumps(shown.verdict.as_table())
-        _paint(obj, shown, scale_of(context.scene))
-    else:
-        obj.pop(_VERDICT, None)
+        palette = read(scene.heliform.display, Display).palette
+        layers.paint(obj, *_layer(obj, shown, palette, scale_of(scene)))
+    elif _VERDICT in obj:
+        del obj[_VERDICT]
         layers.clear([obj])
     if shown and own.path:
         figures = {name: f["value"] for name, f in shown.verdict.figures.items()}
-        path_to_blender(obj, shown.path, scale_of(context.scene), figures)
+        path_to_blender(obj, shown.path, scale_of(scene), figures)
     elif (curve := path_of(obj)) is not None:
         bpy.data.hair_curves.remove(curve.data)
 
@@ -97,8 +101,10 @@ def verdict_of(obj: bpy.types.Object) -> dict[str, Any] | None:
     return json.loads(obj[_VERDICT]) if _VERDICT in obj else None
 
 
-def _paint(obj: bpy.types.Object, shown: Print, scale: float) -> None:
-    """Colour the wall by how much of a limit each place takes, the worst place marked."""
+def _layer(
+    obj: bpy.types.Object, shown: Print, palette: Palette, scale: float
+) -> tuple[Vector, Layer]:
+    """How much of a limit each vertex takes, and the legend with the worst place marked."""
     one = _chosen(obj, shown.verdict)
     along = shown.verdict.utilisation() if one is None else one.utilisation
     assert along is not None
@@ -109,11 +115,11 @@ def _paint(obj: bpy.types.Object, shown: Print, scale: float) -> None:
     quantity = worst.label if one else "Print limits"
     layer = Layer(
         quantity=quantity,
-        scale=ColourScale(0.0, 1.25, False, "viridis", quantity, "share of limit"),
+        scale=ColourScale(0.0, 1.25, False, palette, quantity, "share of limit"),
         footing=[shown.machine.name, "passed" if shown.verdict.passed else "not printable"],
         marks=[_mark(worst, scale)],
     )
-    layers.paint(obj, values, layer)
+    return values, layer
 
 
 def turn_at(path: Toolpath, turn: Vector, z: Vector) -> Vector:
@@ -139,53 +145,3 @@ def _mark(worst: Check, scale: float) -> Mark:
     x, y, z = (c / scale for c in worst.point)
     word = "closest to its limit" if worst.passed else "beyond its limit"
     return Mark((x, y, z), f"{worst.label} {worst.worst:.3g} {worst.unit}, {word}")
-
-
-# As an analysis: studies of prints
-
-
-def _gather(context: bpy.types.Context, analysis: Analysis) -> Gathered:
-    obj, settings = context.object, context.scene.heliform
-    if obj is None or obj.heliform.form != objects.WALL or obj.heliform.curves:
-        raise SceneError("A print is of a wall with a plan of its own; select one.")
-    wall, _ = objects.wall_of(obj, context)
-    record = PrintRecord(
-        wall=wall,
-        spiral=read(settings.spiral, Spiral, scale_of(context.scene)),
-        machine=settings.machine,
-        machine_file=bpy.path.abspath(settings.machine_file),
-    )
-    return Gathered(obj.name, Scene(), record, {obj.name: obj})
-
-
-def _stage(
-    scene: bpy.types.Scene,
-    there: Objects,
-    result: Printed,
-    folder: Path,
-    /,
-    notes: tuple[str, ...] = (),
-) -> bool:
-    record = from_table(PrintRecord, result.meta["parameters"], "parameters")
-    bead = record.wall.bead
-    relief = Relief(height=bead.height, amplitude=bead.depth, spiral=False)
-    add_printed(scene, record, relief, scalloped(bead.height, bead.sag))
-    return False
-
-
-def add_printed(
-    scene: bpy.types.Scene, record: PrintRecord, relief: Relief, style: Style
-) -> bpy.types.Object:
-    """Add the wall of a print, with its relief, its gate and its path, to a scene."""
-    settings, scale = scene.heliform, scale_of(scene)
-    write(settings.spiral, record.spiral, scale)
-    settings.machine, settings.machine_file = record.machine, record.machine_file
-    layer = scene.view_layers[0]
-    with bpy.context.temp_override(scene=scene, view_layer=layer, collection=scene.collection):
-        obj = objects.add_wall(bpy.context, record.wall, "Wall")
-        add_modifier(obj, relief, style, scale)
-        obj.heliform.gate = obj.heliform.path = True
-    return obj
-
-
-STAGING = Staging(_gather, _stage)

@@ -171,8 +171,35 @@ def parameters[R](scene: bpy.types.Scene, record: type[R]) -> R:
 
 
 def read[R](group: Any, record: type[R], scale: float = 1.0) -> R:
-    """The record that a group or operator holds, its floats at the 7 digits that Blender keeps."""
-    return record(**{f.name: _read(f, getattr(group, f.name), scale) for f in fields_of(record)})
+    """The record that a group or operator holds, its floats at the 7 digits that Blender keeps.
+
+    A length that nobody has set is the record's own, whatever a Blender unit is.
+    """
+    return record(
+        **{
+            f.name: f.default
+            if _is_unset_length(group, f)
+            else _read(f, getattr(group, f.name), scale)
+            for f in fields_of(record)
+        }
+    )
+
+
+def _is_unset_length(group: Any, field: Field) -> bool:
+    if field.kind != "float" or field.unit != "m":
+        return False
+    held = group.properties if isinstance(group, bpy.types.Operator) else group
+    return not held.is_property_set(field.name)
+
+
+def settle(group: Any, record: type, scale: float) -> None:
+    """Set the lengths of a group that nobody has set to what they are in Blender units."""
+    with _hushed():
+        for field in fields_of(record):
+            if field.kind == "record":
+                settle(getattr(group, field.name), field.record, scale)
+            elif _is_unset_length(group, field):
+                _write(group, field, field.default, scale)
 
 
 def _read(field: Field, value: Any, scale: float) -> Any:

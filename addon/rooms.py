@@ -2,18 +2,17 @@
 
 from ..engines import glass, light, scan
 from ..engines.core.analysis import Analysis
-from . import printing
 from .bridge import as_printed
 from .bridge import light as light_bridge
 from .bridge import scan as scan_bridge
-from .scanned import SCANNED_WALL
+from .printed import PRINT_STAGING, SCANNED_STAGING
 from .staging import Staging
 
 _STAGINGS = {
-    glass.PRINT_WALL.name: printing.STAGING,
+    glass.PRINT_WALL.name: PRINT_STAGING,
     light.TRACE_PHOTONS.name: light_bridge.STAGING,
     scan.READ_SCAN.name: scan_bridge.STAGING,
-    scan.SCAN_TO_WALL.name: SCANNED_WALL,
+    scan.SCAN_TO_WALL.name: SCANNED_STAGING,
     scan.COMPARE_PRINT.name: as_printed.STAGING,
 }
 

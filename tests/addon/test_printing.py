@@ -10,6 +10,7 @@ from heliform.addon import printing
 from heliform.addon.bridge import layers
 from heliform.addon.bridge.paths import path_of
 from heliform.addon.bridge.studies import stage_study
+from heliform.engines.core.colour import ColourScale
 from heliform.engines.core.run import run_study
 from heliform.engines.glass.gcode import read_gcode
 from heliform.engines.glass.machine import DATA, FILE, load_machine
@@ -177,3 +178,61 @@ def test_a_study_of_a_print_becomes_a_wall_with_gate_and_path(scene, tmp_path):
     assert wall.heliform.wall.plan.radius == pytest.approx(0.08)
     assert path_of(wall) is not None
     assert printing.verdict_of(wall)
+
+
+def test_in_a_scene_of_millimetres_gate_path_and_files_are_the_same(scene, tmp_path):
+    scene.unit_settings.scale_length = 0.001
+    bpy.ops.heliform.add_wall(preset="rosette")
+    obj = bpy.context.object
+    obj.heliform.wall.faces, obj.heliform.wall.height = 20_000, 100.0
+    obj.heliform.gate = obj.heliform.path = True
+    assert not obj.heliform.problem
+    assert printing.verdict_of(obj)["passed"]
+    shown = printing.print_of(obj, bpy.context).path
+    np.testing.assert_allclose(positions(path_of(obj)) * 1e-3, shown.points, atol=1e-6)
+    assert shown.points[:, 2].max() == pytest.approx(0.1)
+    scene.heliform.spiral.step = 4.0
+    assert len(printing.print_of(obj, bpy.context).path.points) < len(shown.points)
+
+
+def test_panels_show_lengths_in_the_files_own_units(scene, tmp_path):
+    scene.unit_settings.scale_length = 0.001
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "mm.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "mm.blend"))
+    settings = bpy.context.scene.heliform
+    assert settings.spiral.step == pytest.approx(2.0)
+    assert settings.scan_reading.longest == pytest.approx(20.0)
+    assert settings.comparison.tolerance == pytest.approx(1.0)
+
+
+def test_a_preset_renews_gate_and_path(wall):
+    wall.heliform.gate = wall.heliform.path = True
+    before = printing.verdict_of(wall)["inputs"]
+    bpy.ops.heliform.reshape_wall(preset="sharpened")
+    assert printing.verdict_of(wall)["inputs"] != before
+    assert positions(path_of(wall))[:, 2].max() == pytest.approx(0.2, abs=1e-6)
+
+
+def test_a_scaled_wall_is_not_printed(wall):
+    wall.scale = (2, 2, 2)
+    bpy.context.view_layer.update()
+    with pytest.raises(RuntimeError, match="“Wand ä/1” is scaled, which its print would not be"):
+        bpy.ops.heliform.check_print()
+
+
+def test_a_problem_of_the_print_goes_with_its_cause(wall, scene):
+    scene.heliform.machine_file = "//none.toml"
+    scene.heliform.machine = FILE
+    wall.heliform.gate = True
+    assert "no machine profile" in wall.heliform.problem
+    scene.heliform.machine = "glass-printer"
+    assert not wall.heliform.problem
+
+
+def test_the_path_leaves_another_layer_alone(wall):
+    wall.heliform.gate = True
+    wall.heliform.gate = False
+    scale = ColourScale(0.0, 1.0, False, "viridis", "Deviation", "mm")
+    layers.paint(wall, np.zeros(len(wall.data.vertices)), layers.Layer("Deviation", scale))
+    wall.heliform.path = True
+    assert layers.layer_of(wall).quantity == "Deviation"

@@ -10,6 +10,7 @@ from heliform.engines.core.solid import inspect
 from heliform.engines.glass.loft import Wall
 from heliform.engines.glass.presets import PRESETS, TABLE_1_WALLS
 from heliform.engines.glass.printed import wall_mesh
+from heliform.engines.glass.profile import scalloped
 from heliform.operators.relief import relief_of
 
 TABLE_1 = {"tube": (217, 217, 209), "three_bulges": (262, 283, 201), "four_bulges": (231, 245, 201)}
@@ -213,3 +214,36 @@ def test_a_mesh_that_was_changed_by_hand_is_left_alone(scene):
     obj.heliform.wall.height = 0.1
     assert "was changed by hand" in obj.heliform.problem
     np.testing.assert_array_equal(places_of(obj.data), applied)
+
+
+def test_thin_layers_are_no_dead_end(scene):
+    obj = add()
+    modifier = relief_of(obj)
+    relief, style = print_layers.read_modifier(modifier)
+    print_layers.write_modifier(modifier, relief.__class__(amplitude=8e-4, spiral=False), style)
+    obj.heliform.wall.bead.height = 0.002
+    assert not obj.heliform.problem
+    relief, style = print_layers.read_modifier(modifier)
+    assert relief.height == 0.002
+    exact = scalloped(0.002, relief.amplitude)
+    np.testing.assert_allclose(style.profile.offsets, exact.profile.offsets, atol=1e-6)
+
+
+def test_a_relief_too_deep_for_new_layers_is_said_and_nothing_changes(scene):
+    obj = add()
+    before = places_of(obj.data)
+    obj.heliform.wall.bead.height = 0.002
+    assert "more than half its layer" in obj.heliform.problem
+    np.testing.assert_array_equal(places_of(obj.data), before)
+
+
+def test_a_wall_goes_where_its_curve_goes(scene):
+    bpy.ops.curve.primitive_bezier_circle_add(radius=0.1)
+    curve = bpy.context.object
+    bpy.ops.heliform.wall_from_curves(height=0.05)
+    obj = bpy.context.object
+    obj.location.x += 1.0
+    curve.location.y += 0.3
+    bpy.context.view_layer.update()
+    bpy.ops.heliform.rebuild_wall()
+    np.testing.assert_allclose(obj.location, (1.0, 0.3, 0.0), atol=1e-6)
