@@ -147,7 +147,7 @@ def _prepare(
     given = staging.gather(context, analysis)
     folder = Path(tempfile.mkdtemp(prefix="job-", dir=bpy.app.tempdir))
     try:
-        export(context.scene, given, analysis, folder)
+        export(context.scene, given, analysis, folder, carry=False)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
@@ -164,13 +164,18 @@ def _prepare(
     )
 
 
-def export(scene: bpy.types.Scene, given: Gathered, analysis: Analysis, folder: Path) -> Path:
-    """Write what was gathered of a scene as a study of ``analysis``. Raises FileError."""
+def export(
+    scene: bpy.types.Scene, given: Gathered, analysis: Analysis, folder: Path, carry: bool = True
+) -> Path:
+    """Write what was gathered of a scene as a study of ``analysis``; ``carry`` as in `save_study`.
+
+    Raises FileError.
+    """
     title = Path(bpy.data.filepath).stem or scene.name
     settings = scene.heliform
     display = read(settings.display, Display)
     return save_study(
-        folder, title, given.scene, analysis, given.parameters, settings.seed, display
+        folder, title, given.scene, analysis, given.parameters, settings.seed, display, carry
     )
 
 

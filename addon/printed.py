@@ -6,7 +6,7 @@ import bpy
 
 from ..engines.core.analysis import Analysis
 from ..engines.core.errors import SceneError
-from ..engines.core.parameters import from_table
+from ..engines.core.parameters import from_table, to_table
 from ..engines.core.scene import Scene
 from ..engines.glass.printing import Print, Printed
 from ..engines.glass.profile import Style, scalloped
@@ -17,6 +17,7 @@ from . import objects
 from .bridge import scan
 from .bridge.print_layers import add_modifier
 from .bridge.walls import WALL, wall_of
+from .printing import machine_named
 from .properties import read, scale_of, write
 from .staging import Gathered, Objects, Staging
 
@@ -27,12 +28,10 @@ def _gather(context: bpy.types.Context, analysis: Analysis) -> Gathered:
     if obj is None or obj.heliform.form != WALL or obj.heliform.curves:
         raise SceneError("A study of a print is of a wall with a plan of its own; select one.")
     wall, _ = wall_of(obj, scene)
-    record = Print(
-        wall=wall,
-        spiral=read(scene.heliform.spiral, Spiral, scale_of(scene)),
-        machine=scene.heliform.machine,
-        machine_file=bpy.path.abspath(scene.heliform.machine_file),
-    )
+    machine, file = machine_named(scene)
+    spiral = to_table(read(scene.heliform.spiral, Spiral, scale_of(scene)))
+    given = {"spiral": spiral, "machine": machine, "machine_file": file}
+    record = from_table(Print, {"wall": to_table(wall), **given}, "parameters")
     return Gathered(obj.name, Scene(), record, {obj.name: obj})
 
 

@@ -41,8 +41,14 @@ class Print:
 
 def machine_of(scene: bpy.types.Scene) -> Machine:
     """The machine that the scene prints with. Raises FileError or ParameterError."""
+    return chosen_machine(*machine_named(scene))
+
+
+def machine_named(scene: bpy.types.Scene) -> tuple[str, str]:
+    """The name of the scene's machine, and the profile's file where it is one of one's own."""
     settings = scene.heliform
-    return chosen_machine(settings.machine, bpy.path.abspath(settings.machine_file))
+    own = settings.machine == FILE
+    return settings.machine, bpy.path.abspath(settings.machine_file) if own else ""
 
 
 def print_of(obj: bpy.types.Object, context: bpy.types.Context) -> Print:
@@ -65,7 +71,8 @@ def _print_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> Print:
     machine = machine_of(scene)
     loft = wall_loft(wall, drawn.loops)
     path = spiral(loft, wall.thickness, record, machine)
-    return Print(wall, loft, record, machine, path, gate(loft, wall.thickness, path, machine))
+    verdict = gate(loft, wall.thickness, path, machine, record.purge)
+    return Print(wall, loft, record, machine, path, verdict)
 
 
 def refresh(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:

@@ -8,6 +8,7 @@ from bpy.types import Context, Event, Object, Operator
 
 from ..addon import objects
 from ..addon.bridge.meshes import from_blender
+from ..addon.bridge.print_layers import relief_of_wall
 from ..addon.bridge.read import read_mesh
 from ..addon.properties import (
     draw,
@@ -24,9 +25,8 @@ from ..engines.glass import TABLE_1, GlassObject
 from ..engines.glass.loft import Wall
 from ..engines.glass.presets import PRESETS
 from ..engines.glass.profile import scalloped
-from ..engines.glass.relief import Relief
 from . import ObjectMode, Reporting, in_object_mode
-from .relief import dress
+from .relief import Dressing, dress
 
 CUSTOM = "custom"
 NAMES = {"tube": "Tube", "three_bulges": "Three Bulges", "four_bulges": "Four Bulges"}
@@ -242,10 +242,9 @@ def _name(preset: str) -> str:
 
 
 def _dress(context: Context, obj: Object, record: Wall) -> None:
-    """Give a new wall the relief of its beads; level layers where the mesh has them at its rows."""
-    bead = record.bead
-    relief = Relief(height=bead.height, amplitude=bead.sag, spiral=False)
-    dress(context, obj, scalloped(bead.height, bead.sag), relief)
+    """Give a new wall the relief of its beads."""
+    style = scalloped(record.bead.height, record.bead.sag)
+    dress(context, [Dressing(obj, style, relief_of_wall(record))])
 
 
 def _curves(context: Context) -> list[Object]:

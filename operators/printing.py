@@ -1,8 +1,5 @@
 """Printing: the gate, the path, and the files that a printer and others take."""
 
-import shutil
-from pathlib import Path
-
 import bpy
 from bpy.props import BoolProperty, StringProperty
 from bpy.types import Context, Event, Operator
@@ -12,12 +9,13 @@ from ..addon.bridge import layers
 from ..addon.bridge.read import read_mesh
 from ..addon.properties import read, scale_of, with_properties, write_unset
 from ..engines.core.errors import FileError, SceneError
-from ..engines.core.files import safe_name, written
+from ..engines.core.files import written
 from ..engines.glass.coupon import Coupon, coupon
 from ..engines.glass.export import export_solid
 from ..engines.glass.gcode import write_gcode, write_path
 from ..engines.glass.machine import DATA, FILE, PROFILES
-from . import Reporting
+from ..engines.glass.printing import gcode_notes
+from . import FileWriting, Reporting, named_folder
 
 
 class _OnWall(Reporting):
@@ -52,6 +50,21 @@ class HELIFORM_OT_check_print(_OnWall, Operator):
         return f"“{obj.name}” can be printed by {shown.machine.name}."
 
 
+class HELIFORM_OT_preview_path(_OnWall, Operator):
+    """Show the way of the nozzle on the active wall, with speed and flow at every point"""
+
+    bl_idname = "heliform.preview_path"
+    bl_label = "Preview Path"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def act(self, context: Context) -> str:
+        """Show it. Raises HeliformError where there can be none."""
+        obj = context.object
+        given = printing.print_of(obj, context)  # before anything changes
+        obj.heliform.path = True
+        return f"{given.path.turns:.0f} turns, {given.path.seconds / 60:.0f} minutes."
+
+
 class HELIFORM_OT_show_check(_OnWall, Operator):
     """Colour the wall by this check alone, its worst place marked; again for all"""
 
@@ -67,45 +80,27 @@ class HELIFORM_OT_show_check(_OnWall, Operator):
         own.gate_check = "" if own.gate_check == self.name else self.name
 
 
-class _Export(_OnWall):
-    """An operator that writes a file of the active wall."""
-
-    bl_options = set()
-    ending = ""
-
-    def invoke(self, context: Context, event: Event) -> set[str]:
-        """Ask where to."""
-        name = f"{safe_name(context.object.name)}{self.ending}"
-        self.filepath = bpy.path.abspath(f"//{name}")
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def chosen(self) -> Path:
-        """The file, with its ending."""
-        path = Path(bpy.path.abspath(self.filepath))
-        return path if path.suffix else path.with_suffix(self.ending)
-
-
-class HELIFORM_OT_export_gcode(_Export, Operator):
+class HELIFORM_OT_export_gcode(_OnWall, FileWriting, Operator):
     """Write the wall's path as G-code for the machine, the verdict of the gate beside it"""
 
     bl_idname = "heliform.export_gcode"
     bl_label = "Export G-code"
+    bl_options = set()
     ending = ".gcode"
+    others = (".nc", ".csv")
 
-    filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN"})
     filter_glob: StringProperty(default="*.gcode;*.nc;*.csv", options={"HIDDEN"})
 
     def act(self, context: Context) -> str:
         """Write it; a .csv becomes the table of the path. Raises HeliformError."""
-        given = printing.print_of(context.object, context)
         path = self.chosen()
+        given = printing.print_of(context.object, context)
         if path.suffix.lower() == ".csv":
             write_path(path, given.path)
             return f"The path is “{path}”."
-        name, notes = context.object.name, given.loft.notes
+        name, notes = context.object.name, gcode_notes(given.loft.notes, given.verdict)
         write_gcode(path, given.path, given.machine, given.spiral.purge, name, notes)
-        verdict = path.with_suffix(".json")
+        verdict = path.with_name(f"{path.stem}.gate.json")
         with written(verdict) as draft:
             draft.write_text(given.verdict.as_json(), encoding="utf-8")
         if not given.verdict.passed:
@@ -114,14 +109,15 @@ class HELIFORM_OT_export_gcode(_Export, Operator):
         return f"The G-code is “{path}”."
 
 
-class HELIFORM_OT_export_solid(Operator, Reporting):
+class HELIFORM_OT_export_solid(FileWriting, Operator):
     """Write the active glass, as it is with its modifiers, as STL, 3MF or OBJ"""
 
     bl_idname = "heliform.export_solid"
     bl_label = "Export Solid"
     bl_options = set()
+    ending = ".3mf"
+    others = (".stl", ".obj")
 
-    filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN"})
     filter_glob: StringProperty(default="*.3mf;*.stl;*.obj", options={"HIDDEN"})
 
     @classmethod
@@ -129,15 +125,9 @@ class HELIFORM_OT_export_solid(Operator, Reporting):
         """Only with a mesh."""
         return context.object is not None and context.object.type == "MESH"
 
-    def invoke(self, context: Context, event: Event) -> set[str]:
-        """Ask where to."""
-        self.filepath = bpy.path.abspath(f"//{safe_name(context.object.name)}.3mf")
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
     def act(self, context: Context) -> str:
-        """Write it. Raises SceneError for what is no solid, FileError for an unknown ending."""
-        path = Path(bpy.path.abspath(self.filepath))
+        """Write it. Raises SceneError for what is no solid, FileError where it cannot be."""
+        path = self.chosen()
         depsgraph = context.evaluated_depsgraph_get()
         mesh = read_mesh(context.object, depsgraph, scale_of(context.scene))
         export_solid(path, mesh, context.object.name)
@@ -166,44 +156,40 @@ class HELIFORM_OT_export_coupon(Reporting, Operator):
         machine = printing.machine_of(context.scene)
         write_unset(self, Coupon(), scale_of(context.scene))
         record = read(self, Coupon, scale_of(context.scene))
-        folder = Path(bpy.path.abspath(self.directory))
+        folder = named_folder(self.directory)
         files = coupon(record, machine).save(folder, machine)
         return f"“{folder}” has {' and '.join(files)}."
 
 
-class HELIFORM_OT_edit_machine(Reporting, Operator):
+class HELIFORM_OT_edit_machine(FileWriting, Operator):
     """Copy a shipped machine profile to a file of your own, and print with that"""
 
     bl_idname = "heliform.edit_machine"
     bl_label = "Own Machine Profile"
     bl_options = {"REGISTER", "UNDO"}
+    ending = ".toml"
 
-    filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN"})
     filter_glob: StringProperty(default="*.toml", options={"HIDDEN"})
 
-    def invoke(self, context: Context, event: Event) -> set[str]:
-        """Ask where to."""
-        self.filepath = bpy.path.abspath("//my printer.toml")
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+    def proposed(self, context: Context) -> str:
+        """Some name."""
+        return "my printer"
 
     def act(self, context: Context) -> str:
-        """Copy it. Raises FileError where that is not possible."""
+        """Copy it. Raises FileError where that is not possible, or would replace a file."""
         settings = context.scene.heliform
         shipped = settings.machine if settings.machine in PROFILES else PROFILES[0]
-        path = Path(bpy.path.abspath(self.filepath)).with_suffix(".toml")
+        path = self.chosen()
         if path.exists():
             raise FileError(f"“{path}” is there already; choose another name.")
-        try:
-            shutil.copyfile(DATA / f"{shipped}.toml", path)
-        except OSError as failed:
-            raise FileError(f"“{path}” cannot be written: {failed.strerror}.") from None
+        with written(path) as draft:
+            draft.write_bytes((DATA / f"{shipped}.toml").read_bytes())
         settings.machine_file, settings.machine = str(path), FILE
         return f"The profile is “{path}”; edit it with any text editor."
 
 
 class HELIFORM_OT_clear_layer(Reporting, Operator):
-    """Take the colours off the selected objects, and show materials again"""
+    """Take the colours off the selected objects; the views show again what they did before"""
 
     bl_idname = "heliform.clear_layer"
     bl_label = "Clear Colours"
@@ -217,12 +203,13 @@ class HELIFORM_OT_clear_layer(Reporting, Operator):
         for obj in found:
             obj.heliform.gate = False
         layers.clear(found)
-        layers.show_in_views(context, on=False)
+        layers.restore_views(context)
 
 
 register, unregister = bpy.utils.register_classes_factory(
     (
         HELIFORM_OT_check_print,
+        HELIFORM_OT_preview_path,
         HELIFORM_OT_show_check,
         HELIFORM_OT_export_gcode,
         HELIFORM_OT_export_solid,

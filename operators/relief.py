@@ -1,7 +1,9 @@
 """The relief of printed layers: put on walls and other meshes, from a style, a curve or a file."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
@@ -10,12 +12,12 @@ from bpy.types import Context, Event, Modifier, Object, Operator
 from ..addon import objects
 from ..addon.bridge import print_layers
 from ..addon.properties import enum_items, read, scale_of
-from ..engines.core.errors import SceneError
-from ..engines.core.files import safe_name
+from ..engines.core.errors import HeliformError, ParameterError, SceneError
+from ..engines.core.parameters import canonical
 from ..engines.glass.loft import Wall
 from ..engines.glass.profile import STYLES, Style
 from ..engines.glass.relief import Relief, check_relief
-from . import ObjectMode, Reporting
+from . import FileWriting, ObjectMode
 
 
 def relief_of(obj: Object | None) -> Modifier | None:
@@ -25,23 +27,78 @@ def relief_of(obj: Object | None) -> Modifier | None:
     return next(filter(print_layers.is_print_layers, obj.modifiers), None)
 
 
-def dress(context: Context, obj: Object, style: Style, relief: Relief) -> Modifier:
-    """Put a relief on an object, in the place of the one that it has.
+class Dressing(NamedTuple):
+    """An object, and the relief that it is to have."""
 
-    Raises ParameterError where it does not fit the layer, or the wall that the object is.
+    obj: Object
+    style: Style
+    relief: Relief
+
+
+def dress(context: Context, dressings: Sequence[Dressing]) -> None:
+    """Put reliefs on objects, in the place of those that they have: on all of them or on none.
+
+    Raises HeliformError where one does not fit its layer, or the wall that the object is.
     """
-    scale = scale_of(context.scene)
-    wall = read(obj.heliform.wall, Wall, scale) if obj.heliform.form == objects.WALL else None
-    check_relief(relief, wall.thickness if wall else None)
-    if wall and wall.bead.height != relief.height:
-        objects.set_wall(
-            obj, replace(wall, bead=replace(wall.bead, height=relief.height)), context.scene
-        )
-    modifier = relief_of(obj)
+    for obj, _, relief in dressings:
+        wall = _wall(context, obj)
+        check_relief(relief, wall.thickness if wall else None)
+    undo: list[Callable[[], None]] = []
+    try:
+        for dressing in dressings:
+            undo.append(_as_it_is(context, dressing.obj))
+            _put(context, *dressing)
+    except HeliformError:
+        for back in reversed(undo):
+            back()
+        raise
+
+
+def _put(context: Context, obj: Object, style: Style, relief: Relief) -> None:
+    scale, modifier = scale_of(context.scene), relief_of(obj)
     if modifier is None:
-        return print_layers.add_modifier(obj, relief, style, scale)
-    print_layers.write_modifier(modifier, relief, style, scale)
-    return modifier
+        print_layers.add_modifier(obj, relief, style, scale)
+    else:
+        print_layers.write_modifier(modifier, relief, style, scale)
+    wall, height = _wall(context, obj), canonical(relief.height)
+    if wall and wall.bead.height != height:
+        bead = replace(wall.bead, height=height)
+        objects.set_wall(obj, replace(wall, bead=bead), context.scene)
+        if obj.heliform.problem:
+            raise ParameterError(obj.heliform.problem)
+
+
+def _as_it_is(context: Context, obj: Object) -> Callable[[], None]:
+    """What makes an object again what it is now: its relief and, if it is one, its wall."""
+    modifier, wall, problem = relief_of(obj), _wall(context, obj), obj.heliform.problem
+    settings = print_layers.settings_of(modifier) if modifier else {}
+
+    def back() -> None:
+        there = relief_of(obj)
+        if modifier:
+            print_layers.set_settings(modifier, settings)
+        elif there:
+            obj.modifiers.remove(there)
+        if wall and wall != _wall(context, obj):
+            objects.set_wall(obj, wall, context.scene)
+            obj.heliform.problem = problem
+
+    return back
+
+
+def _wall(context: Context, obj: Object) -> Wall | None:
+    """What a wall's settings are; None where the object is no wall."""
+    if obj.heliform.form != objects.WALL:
+        return None
+    return read(obj.heliform.wall, Wall, scale_of(context.scene))
+
+
+def put_on(context: Context, found: Sequence[Object], style: Style) -> None:
+    """Put a style on objects as it was found, on all or none. Raises HeliformError as `dress`."""
+    dress(
+        context,
+        [Dressing(obj, style, relief_from(style, relief_on(context, obj))) for obj in found],
+    )
 
 
 def relief_from(style: Style, before: Relief) -> Relief:
@@ -81,19 +138,13 @@ class HELIFORM_OT_add_relief(OnMeshes, Operator):
     )
 
     def act(self, context: Context) -> None:
-        """Put it on each, with the settings that it has, if any."""
-        scale = scale_of(context.scene)
+        """Put it on all, with the settings that they have, if any. Raises HeliformError."""
+        dressings = []
         for obj in chosen(context):
-            modifier = relief_of(obj)
-            if modifier:
-                relief, _ = print_layers.read_modifier(modifier, scale)
-            elif obj.heliform.form == objects.WALL:
-                bead = read(obj.heliform.wall, Wall, scale).bead
-                relief = Relief(height=bead.height, amplitude=bead.sag)
-            else:
-                relief = Relief()
-            relief = replace(relief, style=self.style)
-            dress(context, obj, STYLES[self.style](relief.height, relief.amplitude), relief)
+            relief = replace(relief_on(context, obj), style=self.style)
+            style = STYLES[self.style](relief.height, relief.amplitude)
+            dressings.append(Dressing(obj, style, relief))
+        dress(context, dressings)
 
 
 class HELIFORM_OT_load_relief(OnMeshes, Operator):
@@ -112,20 +163,18 @@ class HELIFORM_OT_load_relief(OnMeshes, Operator):
         return {"RUNNING_MODAL"}
 
     def act(self, context: Context) -> None:
-        """Load it. Raises FileError for a file that is no style."""
-        style = Style.load(Path(bpy.path.abspath(self.filepath)))
-        for obj in chosen(context):
-            dress(context, obj, style, relief_from(style, relief_on(context, obj)))
+        """Put it on all. Raises FileError for a file that is no style, HeliformError as `dress`."""
+        put_on(context, chosen(context), Style.load(Path(bpy.path.abspath(self.filepath))))
 
 
-class HELIFORM_OT_save_relief(Reporting, Operator):
+class HELIFORM_OT_save_relief(FileWriting, Operator):
     """Save the style of the active object's relief, to be used in other files and in studies"""
 
     bl_idname = "heliform.save_relief"
     bl_label = "Save Relief"
     bl_options = set()
+    ending = ".npz"
 
-    filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN"})
     filter_glob: StringProperty(default="*.npz", options={"HIDDEN"})
 
     @classmethod
@@ -133,16 +182,13 @@ class HELIFORM_OT_save_relief(Reporting, Operator):
         """Only where there is one."""
         return relief_of(context.object) is not None
 
-    def invoke(self, context: Context, event: Event) -> set[str]:
-        """Ask where to."""
-        style = self._style(context)
-        self.filepath = bpy.path.abspath(f"//{safe_name(style.name)}.npz")
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+    def proposed(self, context: Context) -> str:
+        """The style's name."""
+        return self._style(context).name
 
     def act(self, context: Context) -> str:
         """Save it. Raises FileError where that is not possible."""
-        path = Path(bpy.path.abspath(self.filepath)).with_suffix(".npz")
+        path = self.chosen()
         self._style(context).save(path)
         return f"The relief is “{path}”."
 
@@ -175,15 +221,17 @@ class HELIFORM_OT_draw_relief(ObjectMode, Operator):
         return super().poll(context)
 
     def act(self, context: Context) -> None:
-        """Put it on them. Raises SceneError for a curve that is no line."""
+        """Put it on all. Raises SceneError for what is no line, HeliformError as `dress`."""
         (curve,) = (o for o in context.selected_objects if o.type == "CURVE")
         style = print_layers.style_from_curve(curve, scale_of(context.scene))
+        dressings = []
         for obj in chosen(context):
             before = relief_on(context, obj)
             relief = relief_from(style, before)
             if self.keep_height:
                 relief = replace(relief, height=before.height, amplitude=before.amplitude)
-            dress(context, obj, style, relief)
+            dressings.append(Dressing(obj, style, relief))
+        dress(context, dressings)
 
 
 class HELIFORM_OT_copy_relief(OnMeshes, Operator):
@@ -202,20 +250,24 @@ class HELIFORM_OT_copy_relief(OnMeshes, Operator):
         return super().poll(context)
 
     def act(self, context: Context) -> str:
-        """Copy it. Raises SceneError where no other mesh is selected."""
+        """Copy it to all. Raises SceneError where there is no other, HeliformError as `dress`."""
         modifier = relief_of(context.object)
         assert modifier
-        made = print_layers.copy_to(modifier, chosen(context))
-        if not made:
+        others = [obj for obj in chosen(context) if obj != context.object]
+        if not others:
             raise SceneError("No other mesh is selected; select some, the one to copy from last.")
-        return f"Copied to {len(made)} mesh{'es' * (len(made) > 1)}."
+        relief, style = print_layers.read_modifier(modifier, scale_of(context.scene))
+        dress(context, [Dressing(obj, style, relief) for obj in others])
+        print_layers.copy_to(modifier, others)  # its mask, too
+        return f"Copied to {len(others)} mesh{'es' * (len(others) > 1)}."
 
 
 def relief_on(context: Context, obj: Object) -> Relief:
-    """The relief that an object has, or the default one."""
+    """The relief that an object has, or the one of its beads where it is a wall, or the default."""
     modifier = relief_of(obj)
     if modifier is None:
-        return Relief()
+        wall = _wall(context, obj)
+        return print_layers.relief_of_wall(wall) if wall else Relief()
     return print_layers.read_modifier(modifier, scale_of(context.scene))[0]
 
 

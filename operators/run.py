@@ -15,7 +15,7 @@ from ..engines.core.errors import Cancelled, FileError, HeliformError
 from ..engines.core.files import safe_name
 from ..engines.core.study import load_study
 from ..engines.light import TRACE_PHOTONS
-from . import Reporting, in_object_mode
+from . import Reporting, in_object_mode, named_folder
 
 
 class RunAnalysis:
@@ -23,6 +23,8 @@ class RunAnalysis:
 
     analysis: Analysis
     traces = True
+    label = ""
+    """What the job is called, if not like the operator."""
     bl_label: str
     bl_options = set()
     report: Any
@@ -41,19 +43,29 @@ class RunAnalysis:
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         """Start the job; the panel shows how far it is."""
-        try:
-            jobs.begin(context, self.analysis, self.bl_label, self.settings(context))
-        except HeliformError as error:
-            jobs.state.message = str(error)
-            self.report({"ERROR"}, str(error))
-        return {"CANCELLED"}  # nothing is to be undone yet
+        return self.begin(context)
 
     def execute(self, context: Context) -> set[str]:
         """Run the job to its end."""
+        return self.run(context)
+
+    def begin(self, context: Context) -> set[str]:
+        """Start the job and return; the panel says what keeps it from starting."""
+        label = self.label or self.bl_label
         try:
-            jobs.run(context, self.analysis, self.bl_label, self.settings(context))
+            jobs.begin(context, self.analysis, label, self.settings(context))
+        except HeliformError as error:
+            jobs.state.label, jobs.state.message = label, str(error)
+            self.report({"ERROR"}, str(error))
+        return {"CANCELLED"}  # nothing is to be undone yet
+
+    def run(self, context: Context) -> set[str]:
+        """Run the job to its end, and say how it went."""
+        label = self.label or self.bl_label
+        try:
+            jobs.run(context, self.analysis, label, self.settings(context))
         except Cancelled:
-            self.report({"WARNING"}, f"{self.bl_label} was cancelled.")
+            self.report({"WARNING"}, f"{label} was cancelled.")
             return {"CANCELLED"}
         except HeliformError as error:
             self.report({"ERROR"}, str(error))
@@ -107,7 +119,7 @@ class HELIFORM_OT_export_study(Reporting, Operator):
     def act(self, context: Context) -> str:
         """Write a new folder. Raises FileError where that is not possible."""
         name = safe_name(Path(bpy.data.filepath).stem or context.scene.name)
-        folder = Path(bpy.path.abspath(self.directory)) / f"{name} study"
+        folder = named_folder(self.directory) / f"{name} study"
         if folder.exists():
             raise FileError(f"“{folder}” is there already; choose another place, or delete it.")
         given = light.STAGING.gather(context, TRACE_PHOTONS)

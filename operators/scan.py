@@ -11,7 +11,7 @@ from ..addon.bridge.print_layers import style_of
 from ..engines.core.errors import FileError
 from ..engines.scan import COMPARE_PRINT, READ_SCAN
 from . import Reporting
-from .relief import OnMeshes, chosen, dress, relief_from, relief_on
+from .relief import OnMeshes, chosen, put_on
 from .run import RunAnalysis
 
 
@@ -24,20 +24,17 @@ class HELIFORM_OT_read_scan(RunAnalysis, Operator):
     traces = False
 
 
-class HELIFORM_OT_choose_scan(Operator):
+class HELIFORM_OT_choose_scan(RunAnalysis, Operator):
     """Choose the scan of a sample, PLY, OBJ or STL, and read it"""
 
     bl_idname = "heliform.choose_scan"
     bl_label = "Choose Scan"
-    bl_options = set()
+    label = HELIFORM_OT_read_scan.bl_label
+    analysis = READ_SCAN
+    traces = False
 
     filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN"})
     filter_glob: StringProperty(default="*.ply;*.obj;*.stl", options={"HIDDEN"})
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        """One job at a time."""
-        return HELIFORM_OT_read_scan.poll(context)
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         """Ask which."""
@@ -45,10 +42,9 @@ class HELIFORM_OT_choose_scan(Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context: Context) -> set[str]:
-        """Keep its name, and read it."""
+        """Keep its name, and read it: in the window as a job, else to the end."""
         context.scene.heliform.scan_reading.file = self.filepath
-        mode = "EXEC_DEFAULT" if bpy.app.background else "INVOKE_DEFAULT"
-        return bpy.ops.heliform.read_scan(mode)
+        return self.run(context) if bpy.app.background else self.begin(context)
 
 
 class HELIFORM_OT_use_scan(OnMeshes, Operator):
@@ -67,10 +63,8 @@ class HELIFORM_OT_use_scan(OnMeshes, Operator):
         return super().poll(context)
 
     def act(self, context: Context) -> None:
-        """Put it on them, layer height and depth as they were found."""
-        style = style_of(context.scene.heliform.relief)
-        for obj in chosen(context):
-            dress(context, obj, style, relief_from(style, relief_on(context, obj)))
+        """Put it on all, layer height and depth as they were found. Raises HeliformError."""
+        put_on(context, chosen(context), style_of(context.scene.heliform.relief))
 
 
 class HELIFORM_OT_open_scan_report(Reporting, Operator):

@@ -55,7 +55,7 @@ def draw_wall(layout: UILayout, obj: Object) -> None:
         row.operator("heliform.rebuild_wall", text="", icon="FILE_REFRESH")
     else:
         _draw_plan(layout, own.wall.plan, "Plan")
-        layout.prop(own.wall, "to_top", text="Second Plan at the Top")
+        layout.prop(own.wall, "to_top", text="Plan at the Top")
         if own.wall.to_top:
             _draw_plan(layout, own.wall.top, "Plan at the top")
     box = layout.box()

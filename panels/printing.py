@@ -110,7 +110,7 @@ def _draw_check(box: UILayout, check: dict[str, Any], shown: bool) -> None:
 def _wrapped(box: UILayout, text: str) -> None:
     column = box.column(align=True)
     column.scale_y = 0.8
-    for line in textwrap.wrap(text, 34):
+    for line in textwrap.wrap(text, 30):
         column.label(text=line, icon="BLANK1")
 
 

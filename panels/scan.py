@@ -13,6 +13,9 @@ from ..engines.scan import Comparison, ScanReading
 from . import Room
 from .scene import draw_progress, draw_sentence
 
+_WIDTH = 30
+"""Letters beside an icon in a sidebar as wide as it is at first."""
+
 Rows = tuple[tuple[str, str, float, str], ...]
 """Figures by their keys, with what they are called, a factor, and the unit that it gives."""
 
@@ -59,10 +62,7 @@ class HELIFORM_PT_scan(Room, Panel):
         if jobs.state.running:
             draw_progress(layout)
         else:
-            row = layout.row(align=True)
-            row.scale_y = 1.4
-            row.operator("heliform.read_scan", icon="MESH_GRID")
-            row.operator("heliform.choose_scan", text="", icon="FILE_FOLDER")
+            _draw_buttons(layout, bool(reading.file))
         if jobs.state.label == "Read Scan":
             draw_sentence(layout, jobs.state.message)
         facts = scan.facts_of(settings.relief)
@@ -114,6 +114,17 @@ class HELIFORM_PT_as_printed(Room, Panel):
             _draw_notes(layout, facts["notes"])
 
 
+def _draw_buttons(layout: UILayout, chosen: bool) -> None:
+    """What comes next: a scan to read, or to choose; the sample that comes along, too."""
+    row = layout.row()
+    row.scale_y = 1.4
+    if chosen:
+        row.operator("heliform.read_scan", icon="MESH_GRID")
+        return
+    row.operator("heliform.choose_scan", text="Choose Scan…", icon="FILE_FOLDER")
+    layout.operator("heliform.read_scan", text="Read Built-in Sample")
+
+
 def _draw_facts(layout: UILayout, facts: dict[str, Any]) -> None:
     """The numbers, what was noticed, and the way to walls."""
     layout.prop(bpy.context.scene.heliform, "relief", text="Relief")
@@ -140,7 +151,7 @@ def _draw_notes(layout: UILayout, notes: list[str]) -> None:
     column = layout.column(align=True)
     column.scale_y = 0.8
     for note in notes:
-        for index, line in enumerate(textwrap.wrap(note, 40)):
+        for index, line in enumerate(textwrap.wrap(note, _WIDTH)):
             column.label(text=line, icon="INFO" if index == 0 else "BLANK1")
 
 

@@ -196,7 +196,7 @@ def draw_used(layout: UILayout, rows: Rows, notes: tuple[str, ...], problem: str
         split.label(text=name)
         split.label(text=value)
     for note in notes:
-        for index, line in enumerate(textwrap.wrap(note, 36)):
+        for index, line in enumerate(textwrap.wrap(note, 30)):
             box.label(text=line, icon="INFO" if index == 0 else "BLANK1")
 
 
@@ -241,7 +241,7 @@ def draw_problem(layout: UILayout, obj: Object) -> None:
     draw_sentence(layout, obj.heliform.problem)
 
 
-def draw_sentence(layout: UILayout, sentence: str, width: int = 34) -> None:
+def draw_sentence(layout: UILayout, sentence: str, width: int = 30) -> None:
     """A sentence in a red box, in lines of ``width`` letters, without the name of its table."""
     if not sentence:
         return

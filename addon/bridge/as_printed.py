@@ -21,6 +21,8 @@ from .meshes import places_of
 from .read import read_mesh
 
 _FACTS = "heliform_as_printed"
+_DESIGN = "heliform_design"
+"""The design of which an object is the evaluated mesh."""
 _PEAK = 99.5  # percentile of the deviation that the colours reach to
 _LEAST = 1e-2  # mm, that they reach to at least
 
@@ -67,17 +69,21 @@ def _stage(
 
 def _as_seen(scene: bpy.types.Scene, obj: bpy.types.Object, count: int) -> bpy.types.Object:
     """An object with the design's evaluated mesh, where that has other vertices than its own."""
-    name = f"{obj.name} as printed"
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     block = bpy.data.meshes.new_from_object(evaluated)
     if len(block.vertices) != count:
         bpy.data.meshes.remove(block)
         raise SceneError(f"“{obj.name}” was changed while it was compared; compare again.")
-    found = scene.objects.get(name) or bpy.data.objects.new(name, block)
-    found.data = block
-    found.matrix_world = obj.matrix_world
-    if found.name not in scene.collection.all_objects:
+    found = next((o for o in scene.objects if o.type == "MESH" and o.get(_DESIGN) == obj), None)
+    if found is None:
+        found = bpy.data.objects.new(f"{obj.name} as printed", block)
+        found[_DESIGN] = obj
         scene.collection.objects.link(found)
+    else:
+        before, found.data = found.data, block
+        if not before.users:
+            bpy.data.meshes.remove(before)
+    found.matrix_world = obj.matrix_world
     return found
 
 

@@ -16,7 +16,9 @@ from ...engines.core.colour import ColourScale
 from ...engines.core.scene import Vector
 
 VALUES, COLOURS = "Heliform values", "Heliform colours"
-_LAYER = "heliform_layer"
+_LAYER, _VIEWS = "heliform_layer", "heliform_views"
+_LOOK = ["VERTEX", "STUDIO"]
+"""The colours and the light of Solid shading that show a layer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +40,12 @@ class Layer:
 
 
 def paint(obj: bpy.types.Object, values: Vector, layer: Layer) -> None:
-    """Give the object a layer of ``values`` (V,), one a vertex of its own mesh; NaN is grey."""
+    """Give the object a layer of ``values`` (V,), one a vertex of its own mesh; NaN is grey.
+
+    A mesh that others share becomes the object's own.
+    """
+    if obj.data.users > 1:
+        obj.data = obj.data.copy()
     block = obj.data
     stored = _attribute(block, VALUES, "FLOAT")
     stored.data.foreach_set("value", values.astype(np.float32))
@@ -71,15 +78,42 @@ def clear(objects: Sequence[bpy.types.Object]) -> None:
                 obj.data.attributes.remove(stored)
 
 
-def show_in_views(context: bpy.types.Context, on: bool = True) -> None:
-    """Have the 3D views in Solid shading show layers, or materials again."""
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                shading = area.spaces.active.shading
-                if shading.type == "SOLID":
-                    shading.color_type = "VERTEX" if on else "MATERIAL"
-                    shading.light = "STUDIO"
+def show_in_views(context: bpy.types.Context) -> None:
+    """Have the 3D views in Solid shading show layers; what they showed is kept with their screen.
+
+    `restore_views` brings that back.
+    """
+    for screen in {window.screen for window in context.window_manager.windows}:
+        kept = json.loads(screen.get(_VIEWS, "{}"))
+        for index, shading in _shadings(screen):
+            if shading.type == "SOLID" and _look(shading) != _LOOK:
+                kept[index] = _look(shading)
+                shading.color_type, shading.light = _LOOK
+        screen[_VIEWS] = json.dumps(kept)
+
+
+def restore_views(context: bpy.types.Context) -> None:
+    """Where the scene has no layer left, have views that show layers show what they did before."""
+    if any(layer_of(obj) for obj in context.scene.objects):
+        return
+    for screen in bpy.data.screens:
+        kept = json.loads(screen.pop(_VIEWS, "{}"))
+        for index, shading in _shadings(screen):
+            if index in kept and _look(shading) == _LOOK:
+                shading.color_type, shading.light = kept[index]
+
+
+def _shadings(screen: bpy.types.Screen) -> list[tuple[str, bpy.types.View3DShading]]:
+    """The shading of each 3D view of a screen, by the place of its area."""
+    return [
+        (str(index), area.spaces.active.shading)
+        for index, area in enumerate(screen.areas)
+        if area.type == "VIEW_3D"
+    ]
+
+
+def _look(shading: bpy.types.View3DShading) -> list[str]:
+    return [shading.color_type, shading.light]
 
 
 def _attribute(block: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute:

@@ -20,8 +20,9 @@ def path_to_blender(
 ) -> bpy.types.Object:
     """The curve object of the wall's path, made or brought up to date; it follows the wall.
 
-    ``facts`` are kept with it for the panel.
+    ``facts`` are kept with it for the panel. The paths of walls that were deleted go.
     """
+    drop_orphans()
     obj = path_of(owner)
     block = bpy.data.hair_curves.new(f"{owner.name} path")
     block.add_curves([len(path.points)])
@@ -46,7 +47,20 @@ def path_to_blender(
 
 def path_of(owner: bpy.types.Object) -> bpy.types.Object | None:
     """The curve object that shows the wall's path, or None."""
-    return next((o for o in owner.children if o.get(_OWNER) == owner), None)
+    return next((o for o in owner.children if _is_path(o) and o[_OWNER] == owner), None)
+
+
+def drop_orphans() -> None:
+    """Remove the path curves whose wall was deleted: it is gone, or in no collection any more."""
+    for obj in [obj for obj in bpy.data.objects if _is_path(obj)]:
+        owner = obj[_OWNER]
+        if owner is None or not owner.users_collection:
+            bpy.data.hair_curves.remove(obj.data)
+
+
+def _is_path(obj: bpy.types.Object) -> bool:
+    """Whether an object is a path curve still: a person may have converted it."""
+    return obj.type == "CURVES" and _OWNER in obj
 
 
 def facts_of(path: bpy.types.Object) -> dict[str, float]:

@@ -11,6 +11,7 @@ import bpy
 
 from ...engines.core.errors import SceneError
 from ...engines.core.parameters import Field, canonical, fields_of
+from ...engines.glass.loft import Wall
 from ...engines.glass.profile import STYLES, Style
 from ...engines.glass.relief import Relief
 from .print_graph import INPUTS, MASK, STYLE, word_of
@@ -29,6 +30,9 @@ __all__ = [
     "is_print_layers",
     "node_group",
     "read_modifier",
+    "relief_of_wall",
+    "set_settings",
+    "settings_of",
     "skin_from_blender",
     "skin_to_blender",
     "style_from_curve",
@@ -36,6 +40,17 @@ __all__ = [
     "style_of",
     "write_modifier",
 ]
+
+
+Settings = dict[str, dict[str, Any]]
+"""What each input of a modifier is set to, by the input's name."""
+
+_KEYS = ("type", "attribute_name", "value")
+
+
+def relief_of_wall(wall: Wall) -> Relief:
+    """The relief of a wall that has no other: its beads, in level layers as its rows are."""
+    return Relief(height=wall.bead.height, amplitude=wall.bead.depth, spiral=False)
 
 
 def is_print_layers(modifier: bpy.types.Modifier) -> bool:
@@ -103,7 +118,7 @@ def copy_to(
 
     They share the style; each keeps its settings for itself from then on.
     """
-    held = sockets_of(modifier)
+    held = settings_of(modifier)
     made = []
     for obj in objects:
         if obj.type != "MESH" or obj == modifier.id_data:
@@ -112,13 +127,26 @@ def copy_to(
         if mine is None:
             mine = obj.modifiers.new(modifier.name, "NODES")
             mine.node_group = modifier.node_group
-        for name, socket in sockets_of(mine).items():
-            for key in ("type", "attribute_name", "value"):
-                if hasattr(socket, key):
-                    setattr(socket, key, getattr(held[name], key))
-        _refresh(mine)
+        set_settings(mine, held)
         made.append(mine)
     return made
+
+
+def settings_of(modifier: bpy.types.Modifier) -> Settings:
+    """All that a modifier is set to, as `set_settings` takes it."""
+    return {
+        name: {key: getattr(socket, key) for key in _KEYS if hasattr(socket, key)}
+        for name, socket in sockets_of(modifier).items()
+    }
+
+
+def set_settings(modifier: bpy.types.Modifier, settings: Settings) -> None:
+    """Set a modifier to what it, or another one, was set to."""
+    sockets = sockets_of(modifier)
+    for name, held in settings.items():
+        for key, value in held.items():
+            setattr(sockets[name], key, value)
+    _refresh(modifier)
 
 
 def _refresh(modifier: bpy.types.Modifier) -> None:

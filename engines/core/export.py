@@ -26,10 +26,13 @@ def save_study(
     parameters: Any,
     seed: int,
     display: Display | None = None,
+    carry: bool = True,
 ) -> Path:
     """Write a scene as a study that runs elsewhere: study.toml, its meshes and its lamps' files.
 
-    ``display`` is how its pictures are coloured, the default where None.
+    ``display`` is how its pictures are coloured, the default where None. The files that
+    ``parameters`` name are copied with it; unless ``carry``, they stay where they are, and the
+    study runs on this machine alone.
 
     Returns the study's path. Raises FileError where the folder cannot be written.
     """
@@ -44,7 +47,7 @@ def save_study(
         "title": title,
         "analysis": analysis.name,
         "seed": seed,
-        "parameters": _with_files(parameters, folder),
+        "parameters": _with_files(parameters, folder, carry),
         "display": to_table(display or Display()),
     }
     bodies = {b.name: _saved_body(b, folder, i) for i, b in enumerate(scene.bodies)}
@@ -61,15 +64,21 @@ def save_study(
     return path
 
 
-def _with_files(record: Any, folder: Path, place: str = "") -> dict[str, Any]:
-    """The record's table; each file that it names is copied into a folder named like the field."""
+def _with_files(record: Any, folder: Path, carry: bool, place: str = "") -> dict[str, Any]:
+    """The record's table, with each file that it names where it is, by its whole path.
+
+    To be carried, they are copied, each into a folder named like the field.
+    """
     table = to_table(record)
     for field in fields_of(type(record)):
         value, here = getattr(record, field.name), f"{place}{field.name}/"
         if field.kind == "record":
-            table[field.name] = _with_files(value, folder, here)
+            table[field.name] = _with_files(value, folder, carry, here)
         elif field.names_file and value:
             source = Path(value)
+            if not carry:
+                table[field.name] = str(source.absolute())
+                continue
             table[field.name] = f"{here}{safe_name(source.stem)}{source.suffix}"
             _copy(source, folder / table[field.name], field.label)
     return table

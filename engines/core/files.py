@@ -6,6 +6,8 @@ import hashlib
 import re
 import secrets
 import unicodedata
+import zipfile
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -22,6 +24,12 @@ _REMEDIES = {
     errno.EDQUOT: "free some space, or choose another folder",
     errno.ENAMETOOLONG: "choose a shorter name",
 }
+
+BROKEN = (
+    *(OSError, EOFError, ValueError, TypeError, KeyError, AttributeError, RuntimeError),
+    *(zipfile.BadZipFile, zlib.error),
+)
+"""What NumPy, zipfile and zlib raise over an archive that is none, or is damaged."""
 
 _LONGEST = 100  # bytes of UTF-8, for Windows allows a whole path only 260 characters
 _DIGITS = 6

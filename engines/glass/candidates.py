@@ -12,6 +12,7 @@ from ..core.parameters import from_table, nested, param, to_table
 from ..core.scene import Vector
 from .fourier import Plan
 from .loft import Wall
+from .machine import MachineName
 from .symmetry import canonical
 from .toolpath import Spiral
 
@@ -37,7 +38,7 @@ class PrintLibrary:
         "clip", help="Where a wall would run into itself: clip it, or take the convex hull"
     )
     spiral: Spiral = nested(Spiral, "How a wall is laid down")  # noqa: RUF009
-    machine: Literal["glass-printer", "desktop-printer", "file"] = param(
+    machine: MachineName = param(  # noqa: RUF009
         "glass-printer", help="Machine profile: shipped, or a file of your own"
     )
     machine_file: str = param("", help="Machine profile of your own, a TOML file")

@@ -29,9 +29,14 @@ _SAID = {
     "overlap": ("Overlap with the turn below", "%", "lean the wall less, or thicken it"),
     "room": ("Room beside the wall's middle", "mm", "widen the bend, or thin the wall"),
     "room_between": ("Room above the turn below", "mm", "lean the wall less, or thin it"),
-    "reach": ("Way of the nozzle from the middle", "mm", "make the piece smaller or lower"),
+    "reach": (
+        "Way of the nozzle from the middle",
+        "mm",
+        "make the piece smaller, or purge closer to it",
+    ),
+    "reach_z": ("Height of the nozzle", "mm", "make the piece lower"),
     "bed": ("Outer side from the middle of the bed", "mm", "make the piece smaller"),
-    "layer_height": ("Layer height", "mm", "change the spiral's layer height"),
+    "layer_height": ("Layer height", "mm", "change the wall's layer height"),
     "width": ("Width of the bead", "mm", "change the wall's thickness or the pace"),
     "flow": ("Flow", "mm³/s", "change the pace, the layer height or the thickness"),
     "mass": ("Mass", "kg", "make the piece smaller, lower or thinner"),
@@ -76,7 +81,12 @@ class Check:
 
     ``worst`` and ``limit`` are in ``unit``, where the path comes closest to the limit or goes
     beyond it, ``least`` where it must not fall short of that: at ``point`` (3,) in m and ``turn``,
-    None for what has no place. ``share`` is what it takes of the limit there, above 1 beyond it.
+    None for what has no place. ``share`` is what it takes of the limit there, above 1 beyond it:
+    for an upper limit the value over the limit; for a lower one, as of turning radius, of time for
+    a turn and of room, the limit over the value; in a range the way from its middle over half of
+    it, so that 0 is the middle and 1 either end; of the overlap with the turn below what is missing
+    to all of it, over what may be missing; of a move without a point between what it is longer
+    than a step, over the half step that it may be.
     ``source`` says where the limit is from, ``confirmed`` whether that is confirmed. ``sentence``
     tells it all. ``utilisation`` (N,) is the share at each point of the path; None where it is one
     number, or was not asked for.
@@ -144,7 +154,8 @@ def check(
     ``figure`` is where the limit is from, None for what geometry asks. ``below`` says whether the
     limit is one that must not be fallen short of; None where the name says it.
     """
-    quantity, unit, remedy = _SAID[name]
+    said = figure.name if figure and figure.name in _SAID else name
+    quantity, unit, remedy = _SAID[said]
     passed = bool(share <= 1 + tolerance)
     below = name in _UPRIGHT if below is None else below
     worst, limit = (float(v) / _SCALES[unit] for v in (worst, limit))
@@ -154,14 +165,16 @@ def check(
     place = ""
     if spot is not None:
         place = f" at turn {spot.turn:.1f}, z {spot.point[2] * 1e3:.0f} mm"
-    bound = f"{_number(limit)} {unit} that {'is needed' if below else 'is allowed'}"
+    bound = f"{_number(limit)} {unit}"
     reached = f"{quantity} {_number(worst)} {unit}{place}"
+    kept = f"at least {bound} is needed" if below else f"within the {bound} that is allowed"
+    broken = f"below the {bound} that is needed" if below else f"above the {bound} that is allowed"
     if passed and name in _PASSED:
         sentence = _PASSED[name]
     elif passed:
-        sentence = f"{reached}, within the {bound}."
+        sentence = f"{reached}, {kept}."
     else:
-        sentence = f"{reached}, is {'below' if below else 'above'} the {bound}; {remedy}."
+        sentence = f"{reached}, is {broken}; {remedy}."
     return Check(
         name=name,
         passed=passed,

@@ -14,11 +14,13 @@ from .gcode import write_gcode
 from .machine import Machine
 from .outline import Outline
 from .pace import Pace, pace
+from .reach import places
 from .surface import Loft
 from .toolpath import Spiral, Toolpath, spiral
 
 WHERE = "glass.coupon"
 _POINTS = 1024
+_STRAIGHT = 0.1  # of the ends' curvature: what bends less is a straight side
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +32,7 @@ class Coupon:
     width: float = param(8.0e-3, "m", 1e-4, 0.05, "Width of the bead in the middle band")
     layer_height: float = param(5.0e-3, "m", 1e-4, 2e-2, "Rise of one turn")
     bands: int = param(5, "", 2, 20, "How many widths are tried")
-    turns: int = param(3, "", 1, 20, "Turns to a band")
+    turns: int = param(3, "", 2, 20, "Turns to a band")
     spread: float = param(0.12, "", 0.01, 0.8, "How far the outer bands' widths are off the middle")
 
 
@@ -38,9 +40,9 @@ class Coupon:
 class CouponPrint:
     """A coupon's path, and which band is which.
 
-    ``bands`` are columns of one row a band: where it is, its speed and flow, and the width that
-    comes of it if the flow is as the profile says. The flow that there really is, is the width
-    that is measured times layer height times speed.
+    ``bands`` are columns of one row a band: where it is, the path's speed and flow on its straight
+    sides, and the width that comes of them if the flow is as the profile says. The flow that there
+    really is, is the width that is measured there times layer height times speed.
     """
 
     loft: Loft
@@ -59,7 +61,8 @@ def coupon(record: Coupon, machine: Machine) -> CouponPrint:
     """The path of a coupon, band upon band in one spiral, each with a speed of its own.
 
     The flow is the machine's throughout, so that the width is Q / (v h). Raises ParameterError when
-    a value is out of bounds, or a band asks for a speed that the machine has not.
+    a value is out of bounds, a band asks for a speed that the machine has not, or the coupon is
+    beyond the machine's reach or bed.
     """
     record = from_table(Coupon, to_table(record), WHERE)
     rise, flow = record.layer_height, machine.value("flow")
@@ -81,15 +84,22 @@ def coupon(record: Coupon, machine: Machine) -> CouponPrint:
     given = Pace(path.arc, path.curvature, path.height, rise, widths[band], None)
     speed, width, given_flow, time = pace(given, machine)
     path = replace(path, speed=speed, width=width, flow=given_flow, time=time)
+    for one in places(path, machine, 0.0):
+        if not one.passed:
+            raise ParameterError(f"[{WHERE}] {one.sentence}")
+    straight = path.full & (np.abs(path.curvature) < _STRAIGHT / record.radius)
+    gone = [straight & (band == row) for row in range(record.bands)]
+    speeds = np.array([path.speed[there].mean() for there in gone])
+    flows = np.array([path.flow[there].mean() for there in gone])
     first = np.arange(record.bands) * record.turns * rise
     bands = {
         "Band": np.arange(1, record.bands + 1),
         "From z (mm)": first * 1e3,
         "To z (mm)": (first + record.turns * rise) * 1e3,
         "Speed (mm/s)": speeds * 1e3,
-        "Flow (mm³/s)": np.full(record.bands, flow * 1e9),
+        "Flow (mm³/s)": flows * 1e9,
         "Layer height (mm)": np.full(record.bands, rise * 1e3),
-        "Expected width (mm)": widths * 1e3,
+        "Expected width (mm)": flows / (speeds * rise) * 1e3,
     }
     return CouponPrint(loft, path, bands)
 

@@ -62,6 +62,9 @@ time is what passes until the nozzle is above the same place again; ``time_max``
 bound one print; ``origin`` is where the piece's axis stands in the machine's own coordinates;
 ``overlap_min`` is the share of a bead that must lie on the bead below."""
 
+NO_LIMITS = {"flow", "density", "origin_x", "origin_y", "filament_diameter"}
+"""The figures that bound nothing."""
+
 _ROTARY = {"rotary_rate_max", "rotary_acceleration_max"}
 _MAY_BE_NEGATIVE = {"origin_x", "origin_y"}
 _MAY_BE_ZERO = {"speed_min", "turn_time_min", "flow_min", "overlap_min", *_MAY_BE_NEGATIVE}

@@ -12,8 +12,8 @@ from ..core.parameters import from_table, to_table
 from ..core.scene import Vector
 from .checks import Check, Spot, along, check, within
 from .clearance import clearance
-from .figures import Figure
 from .machine import Machine
+from .reach import places
 from .surface import Loft
 from .toolpath import WHERE, Spiral, Toolpath, spiral, wound
 
@@ -73,13 +73,16 @@ class Verdict:
         return json.dumps(self.as_table(), indent=2, ensure_ascii=False, allow_nan=False)
 
 
-def gate(loft: Loft, thickness: float, path: Toolpath, machine: Machine) -> Verdict:
+def gate(
+    loft: Loft, thickness: float, path: Toolpath, machine: Machine, purge: float = 0.0
+) -> Verdict:
     """Every check of ``path`` on a wall around ``loft``, of ``thickness`` in m.
 
+    ``purge`` is how far outside the start the purge lies in m, as `gcode` is given it; 0 for none.
     Each has its map over the path but for those that are one number. Layer height, width, flow and
     speed are judged where the bead has its full height: in the ramps it begins and ends at none.
     """
-    return _verdict(loft, thickness, path, machine, 0)
+    return _verdict(loft, thickness, path, machine, purge, 0)
 
 
 def gate_loft(loft: Loft, thickness: float, record: Spiral, machine: Machine) -> Verdict:
@@ -95,7 +98,7 @@ def gate_loft(loft: Loft, thickness: float, record: Spiral, machine: Machine) ->
         path = wound(loft, thickness, record, machine, _FEW, loft.height / layers)
     else:
         path = spiral(loft, thickness, record, machine)
-    verdict = _verdict(loft, thickness, path, machine, repeated)
+    verdict = _verdict(loft, thickness, path, machine, record.purge, repeated)
     plain = (_moved(one, repeated, path.layer_height) for one in verdict.checks)
     return replace(verdict, checks=tuple(plain))
 
@@ -110,7 +113,7 @@ def _moved(one: Check, repeated: int, rise: float) -> Check:
 
 
 def _verdict(
-    loft: Loft, thickness: float, path: Toolpath, machine: Machine, repeated: int
+    loft: Loft, thickness: float, path: Toolpath, machine: Machine, purge: float, repeated: int
 ) -> Verdict:
     totals = _totals(path, machine, repeated)
     lean = np.zeros(len(path.turn)) if loft.prismatic else _lean(path)
@@ -119,7 +122,7 @@ def _verdict(
         *_motion(path, machine),
         *_turns(path, machine, lean),
         *_room(loft, thickness, path, repeated),
-        *_places(path, machine, repeated),
+        *places(path, machine, purge, repeated),
         *_bead(path, machine),
         *_sums(totals, machine),
     ]
@@ -244,44 +247,6 @@ def _room(loft: Loft, thickness: float, path: Toolpath, repeated: int) -> Iterat
         spot = Spot(float(found.turn[i] + k + (k > 0)), point)
         at = float(share[k, i]), float(room[k, i]), float(found.half[k, i])
         yield check(name, *at, None, spot, share[here])
-
-
-def _places(path: Toolpath, machine: Machine, repeated: int) -> Iterator[Check]:
-    """Whether the machine's axes reach every point, and the piece stands on the bed."""
-    x, y = np.abs(axes_of(path, machine).T)
-    z = path.points[:, 2]
-    z = np.where(path.turn >= path.turns - 1, z + repeated * path.layer_height, z)
-    reach = [machine.figures[f"reach_{axis}"] for axis in "xyz"]
-    limits = [reach[0].si / 2, reach[1].si / 2, reach[2].si]
-    yield _furthest("reach", path, np.column_stack([x, y, z]), limits, reach)
-
-    out = path.sides * np.where(path.full, path.width, 0.0)[:, None] / 2
-    side = np.abs(path.points[:, :2]) + np.abs(out)
-    bed = [machine.figures[f"bed_{axis}"] for axis in "xy"]
-    yield _furthest("bed", path, side, [b.si / 2 for b in bed], bed)
-
-
-def _furthest(
-    name: str, path: Toolpath, ways: Vector, limits: list[float], figures: list[Figure]
-) -> Check:
-    """A check of ``ways`` (N, A) along A axes, that of each point which takes most of its limit."""
-    share = ways / limits
-    axis = share.argmax(axis=1)
-    here = np.arange(len(axis)), axis
-    figure = figures[int(axis[share[here].argmax()])]
-    return along(name, path, ways[here], np.asarray(limits)[axis], figure, share[here])
-
-
-def axes_of(path: Toolpath, machine: Machine) -> Vector:
-    """Where the machine's X and Y axes are at each point (N, 2), in m from the piece's axis.
-
-    With four axes the bed turns against the path's direction, which so stays along +X.
-    """
-    if machine.axes == "three":
-        return path.points[:, :2]
-    x, y = path.points[:, 0], path.points[:, 1]
-    c, s = np.cos(path.rotary), np.sin(path.rotary)
-    return np.column_stack([c * x + s * y, c * y - s * x])
 
 
 def _bead(path: Toolpath, machine: Machine) -> Iterator[Check]:

@@ -12,14 +12,13 @@ from ..core.errors import FileError
 from ..core.files import written
 from ..core.scene import Vector
 from ..core.table import save_csv
-from .gate import axes_of
 from .machine import Machine, filled
+from .reach import axes_of, beside
 from .toolpath import Toolpath
 
 BEGIN, END = "path begins", "path ends"
 """Comments between which the path itself lies."""
 
-_CLEARANCE = 10e-3  # m above the piece
 _WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 _COMMENT = re.compile(r"\(([^)]*)\)|;(.*)")
 _KNOWN = {0, 1, 4, 21, 28, 90, 93, 94}
@@ -205,8 +204,7 @@ _BRACKETS = str.maketrans("()", "[]")
 
 def _columns(path: Toolpath, machine: Machine) -> dict[str, list[str]]:
     """The text of each axis at every point, by its letter."""
-    origin = np.array([machine.value("origin_x"), machine.value("origin_y")])
-    x, y = ((axes_of(path, machine) + origin) * 1e3).T
+    x, y = ((axes_of(path, machine) + _origin(machine)) * 1e3).T
     columns = {"X": _texts(x, 4), "Y": _texts(y, 4), "Z": _texts(path.points[:, 2] * 1e3, 4)}
     if machine.axes == "four":
         columns["C"] = _texts(-np.degrees(path.rotary), 5)
@@ -216,7 +214,7 @@ def _columns(path: Toolpath, machine: Machine) -> dict[str, list[str]]:
 def _moves(path: Toolpath, machine: Machine, columns: dict[str, list[str]]) -> Iterator[str]:
     seconds = np.diff(path.time)
     if machine.dialect.feed == "inverse-time":
-        feeds = [f"{f:.7g}" for f in (60 / seconds).tolist()]
+        feeds = [_plain(f) for f in (60 / seconds).tolist()]
     else:
         feeds = _texts(np.diff(path.arc) / seconds * 60e3, 3)
     words = [[f" {letter}{text}" for text in column[1:]] for letter, column in columns.items()]
@@ -240,11 +238,9 @@ def _values(
     path: Toolpath, machine: Machine, columns: dict[str, list[str]], purge: float, name: str
 ) -> dict[str, str]:
     """The text of every placeholder."""
-    heading = 0.0 if machine.axes == "four" else float(path.rotary[0])
-    out = purge * 1e3 * np.array([np.sin(heading), -np.cos(heading)])
-    x, y = float(columns["X"][0]) + out[0], float(columns["Y"][0]) + out[1]
+    place, clear = beside(path, machine, purge)
+    x, y = _texts((place + _origin(machine)) * 1e3, 4)
     grams = float(path.laid().sum()) * machine.value("density") * 1e3
-    top = float(path.points[:, 2].max())
     return {
         "name": "".join(c for c in name if c.isascii() and (c.isalnum() or c in " _-.")),
         "inputs": path.inputs,
@@ -252,14 +248,24 @@ def _values(
         "y": columns["Y"][0],
         "z": columns["Z"][0],
         "c": columns["C"][0] if "C" in columns else "0",
-        "purge_x": f"{x:.4f}",
-        "purge_y": f"{y:.4f}",
+        "purge_x": x,
+        "purge_y": y,
         "feed": f"{path.speed[0] * 60e3:.3f}",
-        "clearance": f"{(top + _CLEARANCE) * 1e3:.4f}",
-        "turns": f"{path.turns:g}",
+        "clearance": f"{clear * 1e3:.4f}",
+        "turns": f"{path.turns:.0f}",
         "minutes": f"{path.seconds / 60:.0f}",
         "grams": f"{grams:.0f}",
     }
+
+
+def _origin(machine: Machine) -> Vector:
+    """Where the piece's axis stands (2,), in m."""
+    return np.array([machine.value("origin_x"), machine.value("origin_y")])
+
+
+def _plain(value: float) -> str:
+    """A number at seven digits, never with an exponent: many controllers read none."""
+    return np.format_float_positional(value, 7, unique=False, fractional=False, trim="-")
 
 
 def _texts(values: Vector, decimals: int) -> list[str]:

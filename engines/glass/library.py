@@ -6,7 +6,7 @@ import json
 import os
 import time
 from collections.abc import Generator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +21,8 @@ from ..core.scene import Scene
 from ..core.table import load_csv, save_csv
 from .candidates import WHERE, PrintLibrary, asked_plans, drawn, folded
 from .judging import ACCEPTED, Rows, checks_of, judged, row_type, table_of
-from .machine import chosen_machine
-from .store import Store, store_path
+from .machine import Machine, chosen_machine
+from .store import Store, clear_old, store_path
 
 FILE = "library.csv"
 _CHUNK = 32  # candidates handed out at a time: some tenths of a second
@@ -36,13 +36,11 @@ class Library:
     """A row for each candidate, see `judging.row_type`; ``meta`` says what they were made from.
 
     ``meta``: parameters, seed, version, machine, asked (plans of the grid), unique (shapes among
-    them), judged (in this run), seconds, processes and notes. ``store`` is the file that holds the
-    rows until they are saved, None in what was loaded.
+    them), judged (in this run), seconds, processes and notes.
     """
 
     rows: Rows
     meta: dict[str, Any]
-    store: Store | None = field(default=None, compare=False)
 
     @property
     def accepted(self) -> Rows:
@@ -78,7 +76,7 @@ class Library:
         return {name: {"value": value, "unit": unit} for name, (value, unit) in numbers.items()}
 
     def save(self, folder: Path) -> list[str]:
-        """Write library.csv into ``folder`` and drop the store; returns the file's name.
+        """Write library.csv into ``folder``; returns the file's name.
 
         Raises FileError where it cannot be written.
         """
@@ -89,8 +87,6 @@ class Library:
                 values = values.astype(np.int8)
             columns[f"{name} ({_UNITS[name]})" if name in _UNITS else name] = values
         save_csv(folder / FILE, columns, self.meta)
-        if self.store:
-            self.store.drop()
         return [FILE]
 
     @classmethod
@@ -114,7 +110,8 @@ def print_library(
 
     Plans of one shape are judged once. Nothing of ``scene`` is used; ``seed`` draws where
     ``limit`` asks for a part. The rows are the same for any number of processes. They are kept in
-    the record's store as they come, so that a run that was stopped goes on where it was.
+    the record's store as they come, so that a run that was stopped goes on where it was. A store in
+    the cache folder stays a week, one that the record names for good.
 
     Raises ParameterError and FileError for a record, a machine profile or a store that cannot be,
     Cancelled when ``progress`` is asked to stop.
@@ -130,6 +127,8 @@ def print_library(
     plans = drawn(unique, record.limit, seed)
     inputs = _inputs(record, seed, machine.digest)
     path = store_path(record.store_file, f"library-{inputs}")
+    if not record.store_file and not path.exists():
+        clear_old(path.parent)
     store = Store(path, inputs, len(plans), row_type(checks))
     left = store.left
     processes = min(record.processes or os.cpu_count() or 1, max(1, -(-len(left) // _CHUNK)))
@@ -145,7 +144,7 @@ def print_library(
                 _report(progress, store, len(left), time.perf_counter() - started)
     finally:
         store.keep()
-    meta = {
+    meta: dict[str, Any] = {
         "parameters": to_table(record),
         "seed": seed,
         "version": VERSION,
@@ -155,9 +154,9 @@ def print_library(
         "judged": len(left),
         "seconds": time.perf_counter() - started,
         "processes": processes,
-        "notes": _notes(store.rows, len(asked), len(unique), len(left)),
     }
-    return Library(store.rows, meta, store)
+    meta["notes"] = _notes(meta, record, machine, store.rows)
+    return Library(store.rows, meta)
 
 
 def _worked(
@@ -187,11 +186,28 @@ def _inputs(record: PrintLibrary, seed: int, machine: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def _notes(rows: Rows, asked: int, unique: int, judged_now: int) -> list[str]:
-    accepted = int((rows["reason"] == ACCEPTED).sum())
-    notes = [f"{accepted:,} of {len(rows):,} walls can be printed, by the machine's own limits."]
-    if unique < asked:
-        notes.append(f"{asked:,} plans of the grid are {unique:,} different shapes.")
-    if judged_now < len(rows):
-        notes.append(f"{len(rows) - judged_now:,} walls were judged by an earlier run.")
+def _notes(meta: dict[str, Any], record: PrintLibrary, machine: Machine, rows: Rows) -> list[str]:
+    """What a reader of the library should know, a sentence each."""
+    count, accepted = len(rows), int((rows["reason"] == ACCEPTED).sum())
+    doubtful = sum(not figure.confirmed for figure in machine.limits)
+    notes = [f"{accepted:,} of {count:,} walls can be printed, by the machine's own limits."]
+    if doubtful:
+        notes.append(
+            f"{doubtful} of {len(machine.limits)} limits of {machine.name} are unconfirmed."
+        )
+    if meta["unique"] < meta["asked"]:
+        notes.append(f"{meta['asked']:,} plans of the grid are {meta['unique']:,} shapes.")
+    if count < meta["unique"]:
+        notes.append(
+            f"The {count:,} walls are a part of all {meta['unique']:,}, drawn by the seed "
+            f"{meta['seed']}."
+        )
+    if resolved := int(rows["resolved"].sum()):
+        how = "clipped" if record.overlap == "clip" else "replaced by their convex hull"
+        notes.append(
+            f"{resolved:,} outlines would run into themselves as asked (overlaps_resolved); they "
+            f"were {how}, and that was judged."
+        )
+    if meta["judged"] < count:
+        notes.append(f"{count - meta['judged']:,} walls were judged by an earlier run.")
     return notes

@@ -7,15 +7,18 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, Literal, cast, get_args
 
 from ..core.errors import FileError, ParameterError
 from ..core.parameters import check_keys
-from .figures import Figure, figures_of, table_in, text_in
+from .figures import NO_LIMITS, Figure, figures_of, table_in, text_in
 
 DATA = Path(__file__).parent / "data"
+MachineName = Literal["glass-printer", "desktop-printer", "file"]
+"""What a record's machine can be: a shipped profile, or a file of one's own."""
+
 FILE = "file"
-PROFILES = ("glass-printer", "desktop-printer")
+PROFILES = tuple(name for name in get_args(MachineName) if name != FILE)
 """The shipped profiles by name; the first one is taken where none is named."""
 
 _LARGEST = 1_000_000  # bytes
@@ -64,6 +67,11 @@ class Machine:
         return self.figures[name].si
 
     @property
+    def limits(self) -> tuple[Figure, ...]:
+        """The figures that a print is held against."""
+        return tuple(f for f in self.figures.values() if f.name not in NO_LIMITS)
+
+    @property
     def digest(self) -> str:
         """Sixteen hex digits that name what the profile says, but for names and sources."""
         figures = {f.name: float(f"{f.si:.9g}") for f in self.figures.values()}
@@ -75,8 +83,14 @@ class Machine:
 def chosen_machine(name: str, file: str = "") -> Machine:
     """The shipped machine of that ``name``, or for FILE the one in a TOML ``file``.
 
-    Raises ParameterError where the file is not named, and as `load_machine` does.
+    Raises ParameterError where the file is not named, or named beside a shipped machine, and as
+    `load_machine` does.
     """
+    if name != FILE and file:
+        raise ParameterError(
+            f'machine_file is named but machine is {name}; set machine = "{FILE}", or leave '
+            "machine_file empty."
+        )
     if name != FILE:
         return load_machine(name)
     if not file:

@@ -46,11 +46,12 @@ def wall_mesh(wall: Wall, curves: Sequence[Vector] = ()) -> Mesh:
 def wall_skin(wall: Wall, curves: Sequence[Vector] = ()) -> tuple[Mesh, Skin]:
     """The wall without relief, through the crests, vertex by vertex on the grid of `wall_mesh`.
 
-    And its skin, for a relief to be put on. Raises as `wall_mesh`.
+    And its skin, for a relief to be put on. Raises as `wall_mesh`, but not for the bead's sag: of
+    the bead this wall has the layers only.
     """
-    loft = _checked_loft(wall, curves)
-    around, parts, rings = _grid(wall, loft)
     flat = replace(wall.bead, style="flat")
+    loft = _checked_loft(replace(wall, bead=flat), curves)
+    around, parts, rings = _grid(wall, loft)
     section = wall_section(wall.thickness, loft.height, flat, parts, rings)
     turn = np.arange(around) / around
     side = 1 + 2 * section.offset / wall.thickness

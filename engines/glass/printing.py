@@ -3,15 +3,15 @@
 import json
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from .. import VERSION
 from ..core.errors import FileError
-from ..core.files import written
+from ..core.files import BROKEN, written
 from ..core.parameters import nested, param, to_table
 from ..core.progress import SILENT, Progress
 from ..core.scene import Mesh, Scene, Vector
@@ -20,7 +20,7 @@ from .export import export_solid
 from .gate import Verdict, gate
 from .gcode import write_gcode, write_path
 from .loft import Wall, wall_loft
-from .machine import Machine, chosen_machine
+from .machine import Machine, MachineName, chosen_machine
 from .printed import wall_mesh
 from .toolpath import Spiral, Toolpath, spiral
 
@@ -29,15 +29,19 @@ PATH, GATE, CODE, TABLE, SOLID = (
     "wall.3mf",
 )
 _MAP = "share of "
+_SHORT = 0.01  # of a layer, that relief and path may be apart at the top
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Print:
-    """A wall, how it is laid down, and by which machine."""
+    """A wall, how it is laid down, and by which machine.
+
+    The layer height is the wall's, that of its bead, whatever the spiral's is.
+    """
 
     wall: Wall = nested(Wall, "The wall")  # noqa: RUF009
     spiral: Spiral = nested(Spiral, "Its path")  # noqa: RUF009
-    machine: Literal["glass-printer", "desktop-printer", "file"] = param(
+    machine: MachineName = param(  # noqa: RUF009
         "glass-printer", help="Machine profile: shipped, or a file of your own"
     )
     machine_file: str = param("", help="Machine profile of your own, a TOML file")
@@ -47,8 +51,8 @@ class Print:
 class Printed:
     """A wall's toolpath and what the print gate says of it.
 
-    ``meta`` says parameters, seed, version, seconds and notes. ``mesh`` and ``machine`` are there
-    to be saved, and None in what was loaded.
+    ``meta`` says parameters, seed, version, seconds and notes. ``mesh``, ``machine`` and
+    ``loft_notes`` are there to be saved, and None or empty in what was loaded.
     """
 
     path: Toolpath
@@ -56,6 +60,7 @@ class Printed:
     meta: dict[str, Any]
     mesh: Mesh | None = field(default=None, compare=False)
     machine: Machine | None = field(default=None, compare=False)
+    loft_notes: tuple[str, ...] = field(default=(), compare=False)
 
     def figures(self) -> dict[str, dict[str, Any]]:
         """The numbers of the report: those of the print, and what is taken of each limit."""
@@ -83,7 +88,7 @@ class Printed:
         files = [PATH, GATE, TABLE]
         if self.machine is not None:
             purge = self.meta["parameters"]["spiral"]["purge"]
-            notes = [f"DOES NOT PASS: {one.sentence}" for one in self.verdict.failed]
+            notes = gcode_notes(self.loft_notes, self.verdict)
             write_gcode(folder / CODE, self.path, self.machine, purge, "wall", notes)
             files.append(CODE)
         if self.mesh is not None:
@@ -107,7 +112,7 @@ class Printed:
             verdict = Verdict(checks, table["machine"], table["inputs"], table["figures"])
             meta = {key: table[key] for key in ("parameters", "seed", "version", "seconds")}
             return cls(Toolpath(**parts), verdict, meta | {"notes": table["notes"]})
-        except (OSError, ValueError, KeyError, TypeError) as wrong:
+        except BROKEN as wrong:
             raise FileError(f"“{folder}” holds no printed wall; print it anew ({wrong}).") from None
 
 
@@ -131,12 +136,14 @@ def print_wall(
     started = time.perf_counter()
     progress(0.0, "Reading the machine profile")
     machine = chosen_machine(record.machine, record.machine_file)
+    layers = replace(record.spiral, layer_height=record.wall.bead.height)
+    record = replace(record, spiral=layers)
     progress(0.05, "Lofting the wall")
     loft = wall_loft(record.wall, curves)
     progress(0.2, "Winding the path")
     path = spiral(loft, record.wall.thickness, record.spiral, machine)
     progress(0.4, "Checking it")
-    verdict = gate(loft, record.wall.thickness, path, machine)
+    verdict = gate(loft, record.wall.thickness, path, machine, record.spiral.purge)
     progress(0.6, "Meshing the wall")
     mesh = wall_mesh(record.wall, curves)
     meta = {
@@ -146,7 +153,12 @@ def print_wall(
         "seconds": time.perf_counter() - started,
         "notes": [*loft.notes, *notes_on(record, path, verdict)],
     }
-    return Printed(path, verdict, meta, mesh, machine)
+    return Printed(path, verdict, meta, mesh, machine, tuple(loft.notes))
+
+
+def gcode_notes(loft_notes: Sequence[str], verdict: Verdict) -> list[str]:
+    """What stands at the top of a wall's G-code: the loft's notes, and why it does not pass."""
+    return [*loft_notes, *(f"DOES NOT PASS: {one.sentence}" for one in verdict.failed)]
 
 
 def notes_on(record: Print, path: Toolpath, verdict: Verdict) -> list[str]:
@@ -155,11 +167,12 @@ def notes_on(record: Print, path: Toolpath, verdict: Verdict) -> list[str]:
     doubtful = sorted({one.source.split(":")[0] for one in verdict.checks if not one.confirmed})
     if doubtful:
         notes.append(f"Unconfirmed limits of {verdict.machine}: {', '.join(doubtful)}.")
-    asked, bead = path.layer_height, record.wall.bead.height
-    if abs(asked - bead) > 0.01 * bead:
+    given, bead = path.layer_height, record.wall.bead.height
+    whole = round(record.wall.height / bead) * bead
+    if abs(record.wall.height - whole) > _SHORT * bead:
         notes.append(
-            f"The path has layers of {asked * 1e3:.4g} mm and the wall's relief of "
-            f"{bead * 1e3:.4g} mm."
+            f"Whole layers make the path's {given * 1e3:.4g} mm high and not {bead * 1e3:.4g} mm "
+            f"as the wall's relief; make the wall {whole * 1e3:.4g} mm high."
         )
     surplus = verdict.figures["surplus"]["value"] * 1e6
     laid = verdict.figures["laid"]["value"] * 1e6

@@ -89,8 +89,9 @@ class Style:
         digest.update(f"{self.name}{numbers}".encode())
         return digest.hexdigest()[:16]
 
-    def save(self, path: Path) -> None:
+    def save(self, path: Path | str) -> None:
         """Write the style as NPZ, read back equal. Raises FileError where it cannot."""
+        path = Path(path)
         if path.suffix.lower() != ".npz":
             raise FileError(f"A style is an .npz file; call it “{path.stem}.npz”.")
         numbers = {key: np.float64(getattr(self, key)) for key in _NUMBERS}
@@ -99,8 +100,9 @@ class Style:
             np.savez_compressed(stream, allow_pickle=False, **held)
 
     @staticmethod
-    def load(path: Path) -> "Style":
+    def load(path: Path | str) -> "Style":
         """The style in an NPZ. Raises FileError where it is missing, damaged or something else."""
+        path = Path(path)
         if not path.is_file():
             raise FileError(
                 f"There is no relief style “{path}”; read a scan and save its relief, or choose "

@@ -1,7 +1,7 @@
 """Relief on any wall, as arrays: what the live modifier “Print Layers” does, for batches and data.
 
 The two agree to 1 µm. Phases, textures and sides are told in the same words in both, so that a
-change here is made in addon/bridge/print_layers.py too.
+change here is made in addon/bridge/print_graph.py too.
 """
 
 from dataclasses import dataclass

@@ -1,5 +1,6 @@
 """The store of a library in the making: rows as they come, to go on from after a stop."""
 
+import contextlib
 import os
 import sys
 import time
@@ -9,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import FileError
-from ..core.files import written
+from ..core.files import BROKEN, written
 from .judging import Rows
 
 _PERIOD = 5.0  # seconds between two writings
+_KEPT = 7 * 86400.0  # seconds that the cache folder keeps a store after its last writing
 
 
 def store_path(asked: str, name: str) -> Path:
@@ -26,11 +28,20 @@ def store_path(asked: str, name: str) -> Path:
     return folder / "heliform" / f"{name}.npz"
 
 
+def clear_old(folder: Path) -> None:
+    """Remove the stores in the cache ``folder`` that were not written to for a week."""
+    oldest = time.time() - _KEPT
+    for path in folder.glob("library-*.npz"):
+        with contextlib.suppress(OSError):
+            if path.stat().st_mtime < oldest:
+                path.unlink()
+
+
 class Store:
     """Rows of a library by their index, and which of them are done, kept in the file ``path``.
 
-    ``inputs`` names what the rows are made from: a file of other inputs is begun anew. Raises
-    FileError where the file cannot be written, or is there and no store.
+    ``inputs`` names what the rows are made from. Raises FileError where the file cannot be written,
+    or is there and no store of the same inputs: nothing is overwritten.
     """
 
     def __init__(self, path: Path, inputs: str, count: int, kind: np.dtype[np.void]) -> None:
@@ -73,19 +84,19 @@ class Store:
             )
         self._written = time.monotonic()
 
-    def drop(self) -> None:
-        """Remove the file: the rows are elsewhere."""
-        self._path.unlink(missing_ok=True)
-
     def _resume(self) -> None:
         try:
             with np.load(self._path, allow_pickle=False) as kept:
                 same = str(kept["inputs"]) == self._inputs
                 rows, done = kept["rows"], kept["done"]
-        except (OSError, ValueError, KeyError, EOFError) as wrong:
+        except BROKEN as wrong:
             raise FileError(
                 f"“{self._path}” is not a store of a print library ({wrong}); remove it, or choose "
                 "another store_file."
             ) from None
-        if same and rows.dtype == self.rows.dtype and rows.shape == self.rows.shape:
-            self.rows, self.done = rows, done
+        if not (same and rows.dtype == self.rows.dtype and rows.shape == self.rows.shape):
+            raise FileError(
+                f"“{self._path}” holds the rows of another print library; remove it, or choose "
+                "another store_file."
+            )
+        self.rows, self.done = rows, done

@@ -37,7 +37,7 @@ class Spiral:
     )
     speed: float = param(5.0e-3, "m/s", 1e-4, 1.0, "Speed at the nozzle, where it has its own")
     purge: float = param(
-        0.03, "m", 0.0, 0.5, "How far outside the wall's start the purge is; 0 leaves it out"
+        0.02, "m", 0.0, 0.5, "How far outside the wall's start the purge is; 0 leaves it out"
     )
 
 
@@ -123,7 +123,7 @@ def spiral(loft: Loft, thickness: float, record: Spiral, machine: Machine) -> To
     if layers < 1:
         raise ParameterError(
             f"[{WHERE}] A height of {loft.height * 1e3:.4g} mm holds no layer of "
-            f"{record.layer_height * 1e3:.4g} mm; raise the wall or lower layer_height."
+            f"{record.layer_height * 1e3:.4g} mm; raise the wall or lower the layer height."
         )
     return wound(loft, thickness, record, machine, layers, loft.height / layers)
 

@@ -77,7 +77,7 @@ def plan(path: Toolpath, values: Vector) -> tuple[Map, Vector, float]:
     Returns the picture, the place (2,) of its corner and the size of a pixel in m.
     """
     low, high = path.points[:, :2].min(axis=0), path.points[:, :2].max(axis=0)
-    room = path.width[path.full].max()
+    room = path.width.max()
     corner = low - room
     size = high - low + 2 * room
     pixel = float(size.max() / _PLAN)

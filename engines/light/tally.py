@@ -1,16 +1,15 @@
 """What has landed where and what became of the flux, summed batch by batch."""
 
 import json
-import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import FileError
+from ..core.files import BROKEN
 
 FATES = {"landed": 1, "absorbed": 2, "escaped": 3, "cut_off": 4}
 """What can become of a photon."""
@@ -152,7 +151,7 @@ class Tally:
                 about = json.loads(str(saved["about"]))
                 arrays = {name: saved[name] for name in ("routes", "square", "colour")}
             found = about["key"]
-        except _DAMAGED:
+        except BROKEN:
             raise FileError(f"“{path}” holds no sums of photons; trace anew.") from None
         if found != key or any(getattr(self, n).shape != a.shape for n, a in arrays.items()):
             return False
@@ -164,9 +163,4 @@ class Tally:
         return True
 
 
-_DAMAGED = (
-    *(OSError, EOFError, ValueError, TypeError, KeyError, AttributeError, RuntimeError),
-    *(BadZipFile, zlib.error),
-)
-"""What NumPy, zipfile and zlib raise over a file that is not, or no longer, an archive of sums."""
 _SCALARS = ("traced", "unaimed", "emitted", "landed", "batches")

@@ -10,6 +10,7 @@ from ..core.scene import Vector
 from .frame import Frame, fit_frame, refit, turned_over
 from .layers import Layers, fitted
 from .load import Scan
+from .scatter import jackknifed
 from .search import find_layers
 from .unroll import Cells, Face, cells_of, laid_flat, split_faces
 
@@ -36,13 +37,15 @@ class Aligned:
     """A piece with its base surface, its faces on it (the outer first) and their layers.
 
     ``layers`` are those of the first face. ``axis_error`` in rad is the standard error of the
-    axis's turn about the direction out of the piece.
+    axis's turn about the direction out of the piece, ``bend_error`` that of the curvature over it,
+    by which lengths along the arc are off.
     """
 
     frame: Frame
     faces: tuple[Face, ...]
     layers: Layers
     axis_error: float
+    bend_error: float
 
     @property
     def layer_normal(self) -> Vector:
@@ -53,7 +56,14 @@ class Aligned:
     @property
     def tilt_error(self) -> float:
         """Standard error in rad of the layers' slope against the axis."""
-        return float(np.hypot(self.layers.tilt_error, self.axis_error))
+        bent = np.sin(2 * self.layers.tilt) / 2 * self.bend_error
+        return float(np.linalg.norm([self.layers.tilt_error, self.axis_error, bent]))
+
+    @property
+    def period_error(self) -> float:
+        """Standard error in m of the layer height."""
+        bent = np.sin(self.layers.tilt) ** 2 * self.bend_error * self.layers.period
+        return float(np.hypot(self.layers.period_error, bent))
 
     def layers_of(self, face: Face) -> Layers:
         """The layers as ``face`` shows them: the same wave, its own relief and trend."""
@@ -120,15 +130,15 @@ def align(scan: Scan, search: Search, frame: Frame, inward: bool, progress: Prog
     if not frame.curvature:
         frame, layers = _levelled(frame, layers, search)
         faces = [laid_flat(face.points, frame, face.inner) for face in faces]
-    error = 0.0
+    errors = 0.0, 0.0
     for turn in range(_ROUNDS):
         progress(0.3 + 0.2 * turn, "Aligning axis and layers")
         cells = [cells_of(face, _cell_for(layers, face)) for face in faces]
         layers = fitted(layers, cells[0])
-        frame, error = _refitted(frame, cells, faces, layers, turn == _ROUNDS - 1)
+        frame, errors = _refitted(frame, cells, faces, layers, turn == _ROUNDS - 1)
         faces = [laid_flat(face.points, frame, face.inner) for face in faces]
     layers = fitted(layers, cells_of(faces[0], _cell_for(layers, faces[0])), errors=True)
-    return Aligned(frame, tuple(faces), layers, error)
+    return Aligned(frame, tuple(faces), layers, *errors)
 
 
 def _check_share(scan: Scan, faces: list[Face]) -> None:
@@ -185,8 +195,11 @@ def _levelled(frame: Frame, layers: Layers, search: Search) -> tuple[Frame, Laye
 
 def _refitted(
     frame: Frame, cells: list[Cells], faces: list[Face], layers: Layers, last: bool
-) -> tuple[Frame, float]:
-    """The frame fitted to the faces less their relief, and how far its axis scatters in rad."""
+) -> tuple[Frame, tuple[float, float]]:
+    """The frame fitted to the faces less their relief, and how far axis and curvature scatter.
+
+    In rad, and as a share; 0 but for the ``last`` time.
+    """
     places, heights, inner, block = [], [], [], []
     for one, face in zip(cells, faces, strict=True):
         relief = _own(layers, one).relief(one.arc, one.z)
@@ -204,15 +217,16 @@ def _refitted(
     within, part_of = np.concatenate(inner), np.concatenate(block)
     found = refit(frame, points, height, within)
     if not last or not frame.curvature:
-        return found, 0.0
-    leans = []
+        return found, (0.0, 0.0)
+    moved = []
     for index in range(_PARTS):
         kept = part_of != index
         if kept.all() or not kept.any():
             continue
         one = refit(found, points[kept], height[kept], within[kept])
-        leans.append(float(one.axes[2] @ found.axes[1]))
-    return found, float(np.sqrt(max(len(leans) - 1, 0) * np.var(leans))) if leans else 0.0
+        moved.append((one.axes[2] @ found.axes[1], one.curvature / found.curvature))
+    lean, bend = jackknifed(np.array(moved).reshape(-1, 2))
+    return found, (float(lean), float(bend))
 
 
 def _own(layers: Layers, cells: Cells) -> Layers:

@@ -51,13 +51,17 @@ class Around:
         return turn, offset
 
     def outward(self, points: Vector) -> Vector:
-        """The outline's outward unit normals in plan (N, 2) beside points (N, 3) in m."""
+        """The nearest outline's outward unit normals in plan (N, 2) beside points (N, 3) in m."""
         place = np.interp(points[:, 2], self.levels, np.arange(len(self.levels), dtype=float))
         level = np.round(place).astype(int)
-        count = self.outlines.shape[1]
-        at = (self.unroll(points)[0] * count).astype(int) % count
-        side = self.outlines[level, (at + 1) % count] - self.outlines[level, at]
-        return np.column_stack([side[:, 1], -side[:, 0]]) / np.hypot(*side.T)[:, None]
+        out = np.empty((len(points), 2))
+        for index in np.unique(level):
+            some = np.flatnonzero(level == index)
+            line = self.outlines[index]
+            at = KDTree(line).query(points[some, :2], workers=-1)[1]
+            side = line[(at + 1) % len(line)] - line[at - 1]
+            out[some] = np.column_stack([side[:, 1], -side[:, 0]]) / np.hypot(*side.T)[:, None]
+        return out
 
 
 def around_of(mesh: Mesh, pitch: float = 0.0) -> Around | None:

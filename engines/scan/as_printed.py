@@ -18,10 +18,11 @@ from .closest import closest
 from .design import Design, design_of
 from .deviation import picture_of, spread
 from .found import Found, LayerTable, Sides, grown, layers_of
+from .judge import Registration
 from .load import METRES, Scan, load_scan
 from .printed_figures import Measured, figures_of, remarks
 from .printed_result import AsPrinted
-from .register import Registration, register
+from .register import register
 from .settle import Sample, lever_of
 
 _ALIKE = 1.6  # as large or as small as a scan may be beside its design without a question

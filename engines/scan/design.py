@@ -13,7 +13,7 @@ from .closest import Target, target_of
 from .found import Found, Sides, layers_of
 from .settle import lever_of
 
-_GLANCED, _SAMPLED = 100_000, 300_000  # points to see its layers, and to measure them from
+_GLANCED, _SAMPLED = 80_000, 240_000  # points to see its layers, and to measure them from
 _RIM = 0.9  # of a face's normal is upright, or it is a side
 
 
@@ -64,22 +64,21 @@ def design_of(body: Body, seed: int = 0) -> Design:
         )
     target = target_of(body.mesh)
     around = around_of(target.mesh)
+    design = Design(body.name, target, _sides(target, around), around, None, 0.0)
     sample, face = target.sample(_SAMPLED, np.random.default_rng(seed))
-    if around:
-        some = slice(0, _GLANCED)
-        side = _sides(sample[some], target.normals[face[some]], around)
-        glance = layers_of(Sides(sample[some, 2], side, *around.unroll(sample[some])))
-        if glance.rhythmic:
-            around = around_of(target.mesh, glance.pitch) or around
+    design = replace(design, size=lever_of(sample))
+    if around is None:
+        return design
+    glance = layers_of(design.unroll(sample[:_GLANCED], face[:_GLANCED]))
+    if glance.rhythmic:
+        design = replace(design, around=around_of(target.mesh, glance.pitch) or around)
+    return replace(design, found=layers_of(design.unroll(sample, face)))
+
+
+def _sides(target: Target, around: Around | None) -> Vector:
+    """On which side each triangle is (F,), by where its normal looks."""
     middle = target.mesh.vertices[target.mesh.faces].mean(axis=1)
-    side, size = _sides(middle, target.normals, around), lever_of(sample)
-    design = Design(body.name, target, side, around, None, size)
-    return replace(design, found=layers_of(design.unroll(sample, face))) if around else design
-
-
-def _sides(points: Vector, normals: Vector, around: Around | None) -> Vector:
-    """On which side points (N, 3) of the surface are, by where their ``normals`` look (N,)."""
-    plan = points[:, :2]
-    out = around.outward(points) if around else plan - np.median(plan, axis=0)
-    look = (normals[:, :2] * out).sum(axis=1)
-    return np.where(np.abs(normals[:, 2]) > _RIM, 0.0, np.sign(look))
+    plan = middle[:, :2]
+    out = around.outward(middle) if around else plan - np.median(plan, axis=0)
+    look = (target.normals[:, :2] * out).sum(axis=1)
+    return np.where(np.abs(target.normals[:, 2]) > _RIM, 0.0, np.sign(look))

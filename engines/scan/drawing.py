@@ -29,7 +29,7 @@ def draw_face(result: Reading, face: FaceReading, folder: Path, display: Display
         named(face.name, f"{name}.png")
         for name in ("heights", "roughness", "fold", "profile", "octaves")
     ]
-    note = summary(result)
+    note = summary(result, face.name)
     maps = (
         (files[0], face.height, "Height over the base", "unrolled, trend taken off"),
         (files[1], face.roughness, "Height over the bead", "roughness and noise"),
@@ -73,7 +73,9 @@ def _draw_fold(result: Reading, face: FaceReading, path: Path, display: Display)
     reach = 1e3 * (face.highest - face.lowest)
     layer = 1e3 * result.style.height
     title = f"{face.name} face: all points in one layer, {layer:.4g} mm wide, {reach:.3g} mm high"
-    false_colour_png(path, shown, scale, f"{result.meta['scan']}: {title}", summary(result))
+    false_colour_png(
+        path, shown, scale, f"{result.meta['scan']}: {title}", summary(result, face.name)
+    )
 
 
 def _draw_profile(result: Reading, face: FaceReading, path: Path) -> None:
@@ -89,15 +91,24 @@ def _draw_profile(result: Reading, face: FaceReading, path: Path) -> None:
     section_png(path, up, curves, "Height over the valley", "mm", False, "Up the layer (mm)")
 
 
-def summary(result: Reading) -> str:
-    """The line below a picture: layer height, depth, tilt, roughness and noise."""
+def summary(result: Reading, face: str = "outer") -> str:
+    """The line below a picture of a face: layer height, depth, tilt, roughness and noise."""
     figures = {name: figure["value"] for name, figure in result.figures().items()}
+
+    def own(name: str) -> float:
+        first = face == result.faces[0].name
+        return figures[name if first else f"{name}_{face}"]
+
     return ", ".join(
         [
             f"layers of {1e3 * figures['layer_height']:.4g} mm",
-            f"{1e3 * figures['depth']:.3g} mm deep",
-            f"tilted {figures['tilt']:.2f}°",
-            f"roughness {1e3 * figures['roughness']:.2g} mm RMS",
-            f"noise {1e3 * figures['noise']:.2g} mm",
+            f"{1e3 * own('depth'):.3g} mm deep",
+            f"tilted {figures['tilt']:z.2f}°",
+            f"roughness {_microns(own('roughness'))} RMS",
+            f"noise {_microns(own('noise'))}",
         ]
     )
+
+
+def _microns(metres: float) -> str:
+    return f"{1e6 * metres:.{0 if metres >= 1e-5 else 1}f} µm"

@@ -8,6 +8,7 @@ from scipy.interpolate import CubicSpline
 
 from ..core.scene import Vector
 from .layers import Layers
+from .scatter import blunted, depth_error
 from .unroll import Face
 
 SAMPLES = 1024
@@ -31,8 +32,10 @@ class Fold:
     scatter of the points about it. ``profile`` (1024,) in m is the bead at the phases i/1024: the
     medians without what is not the same in one half of the piece and the other. It is 0 where it is
     lowest, about phase 0, the middle of the valley, which lies ``base`` m over the face's slow
-    trend. ``density`` (200, B) counts points by height from ``lowest`` to ``highest`` in m.
-    ``points`` is how many were folded.
+    trend. ``depth_error`` in m is the depth's standard error (see `scatter.depth_error`), and
+    ``blunt`` how much deeper in m a valley may be, since it is sharper than the scan can tell (see
+    `scatter.blunted`). ``density`` (200, B) counts points by height from ``lowest`` to ``highest``
+    in m. ``points`` is how many were folded.
     """
 
     phase: Vector
@@ -41,6 +44,8 @@ class Fold:
     spread: float
     profile: Vector
     base: float
+    depth_error: float
+    blunt: float
     density: Vector
     lowest: float
     highest: float
@@ -74,7 +79,7 @@ def fold(face: Face, layers: Layers, start: float | None = None) -> tuple[Fold, 
     strip = np.floor((face.arc - face.arc.min()) / np.ptp(face.arc) * 0.999 * _STRIPS)
     even = strip % 2 == 0
     halves = [_medians(which[part], height[part], bins)[0] for part in (even, ~even)]
-    waves = _smoothed(median, (halves[0], halves[1]))
+    waves, kept = _smoothed(median, (halves[0], halves[1]))
     offset = _valley(_drawn(waves, 0.0)) if start is None else start % 1.0
     profile = _drawn(waves, offset)
     lowest = float(profile.min())
@@ -82,6 +87,10 @@ def fold(face: Face, layers: Layers, start: float | None = None) -> tuple[Fold, 
     low, high = lowest - 4 * spread, float(profile.max()) + 4 * spread
     level = np.clip((height - low) / (high - low) * _LEVELS, 0, _LEVELS - 1).astype(np.intp)
     density = np.bincount(level * bins + which, minlength=_LEVELS * bins).reshape(_LEVELS, bins)
+    from_valley = turns - offset
+    places = np.arange(SAMPLES + 1) / SAMPLES
+    course = np.interp(from_valley - np.floor(from_valley), places, np.append(profile, profile[0]))
+    crest = float(np.argmax(profile)) / SAMPLES
     found = Fold(
         phase=((np.arange(bins) + 0.5) / bins + (step / bins - offset)) % 1.0,
         median=np.roll(median, -step) - lowest,
@@ -89,6 +98,8 @@ def fold(face: Face, layers: Layers, start: float | None = None) -> tuple[Fold, 
         spread=spread,
         profile=profile - lowest,
         base=lowest,
+        depth_error=depth_error(face.arc, from_valley, height - course, crest, 1 / kept),
+        blunt=blunted(profile, layers.period, kept, spread),
         density=np.roll(density, -step, axis=1).astype(np.float64),
         lowest=low - lowest,
         highest=high - lowest,
@@ -132,9 +143,12 @@ def _medians(which: NDArray[np.int16], height: Vector, bins: int) -> tuple[Vecto
     return median, 1.2533 * np.maximum(spread, 0.3 * usual) / np.sqrt(count), usual
 
 
-def _smoothed(median: Vector, halves: tuple[Vector, Vector]) -> NDArray[np.complex128]:
+def _smoothed(
+    median: Vector, halves: tuple[Vector, Vector]
+) -> tuple[NDArray[np.complex128], float]:
     """The Fourier coefficients (1 + B/2,) of the likeliest bead behind the medians: Wiener's.
 
+    And how many waves are kept of it, either way.
     ``halves`` are the medians (B,) of two halves of the piece: what they share is bead, what they
     differ by is not. Where the bead's power sinks into the noise it is taken to go on falling as
     it fell before.
@@ -156,8 +170,8 @@ def _smoothed(median: Vector, halves: tuple[Vector, Vector]) -> NDArray[np.compl
     fall = -np.polyfit(middle[recent], level[recent], 1)[0] if recent.sum() > 1 else _FALLS[0]
     beyond = np.clip(fall, *_FALLS) * np.maximum(np.log(wave) - middle[-1], 0.0)
     likely = np.exp(np.interp(np.log(wave), middle, level) - beyond)
-    kept = np.append(1.0, likely / (likely + noise))
-    return np.fft.rfft(median) * kept
+    share = likely / (likely + noise)
+    return np.fft.rfft(median) * np.append(1.0, share), 1 + 2 * float(share @ share)
 
 
 def _drawn(waves: NDArray[np.complex128], offset: float) -> Vector:

@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..core.scene import Vector
+from .scatter import student
 from .unroll import Cells
 
 _DEGREE = 3  # of the slow trend, in arc and z together
 _HARMONICS = 10
-_BLOCKS = 12  # that the piece is divided into to see how far the figures scatter
+_DIVIDED = ((6, 6), (1, 10))  # along the arc and up: parts, to see how far the figures scatter
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,8 +103,8 @@ def fitted(
     """The wave, relief and trend that fit ``cells`` best, by robust Gauss–Newton from ``start``.
 
     ``harmonics`` of the relief are fitted, as many as the cells can hold where 0. With ``errors``
-    the standard errors come from leaving out a twelfth of the piece at a time; with ``held`` the
-    wave stays as it is.
+    the standard errors come from how far parts of the piece differ; with ``held`` the wave stays as
+    it is.
     """
     count = harmonics or int(np.clip(start.period / (3 * cells.edge), 1, _HARMONICS))
     trend = Trend.over(cells)
@@ -147,30 +148,29 @@ def fitted(
 def _with_errors(
     found: Layers, system: Vector, cells: Cells, trust: Vector, scale: float
 ) -> Layers:
-    """Standard errors by the jackknife over blocks of the piece [Efron & Tibshirani 1993]."""
-    column = np.clip((cells.column * 4) // cells.shape[1], 0, 3)
-    row = np.clip((cells.row * 3) // cells.shape[0], 0, 2)
-    block = column * 3 + row
-    weighted = system * trust[:, None]
-    parts = [
-        (
-            weighted[block == b].T @ system[block == b],
-            weighted[block == b].T @ cells.height[block == b],
-        )
-        for b in range(_BLOCKS)
-        if (block == b).any()
-    ]
-    whole = sum(p[0] for p in parts), sum(p[1] for p in parts)
-    ridge = 1e-12 * np.diag(np.diag(whole[0]))
-    waves = []
-    for matrix, right in parts:
-        values = np.linalg.solve(whole[0] - matrix + ridge, whole[1] - right)
-        waves.append(found.wave + values[-2:] * scale)
-    n = len(waves)
-    periods = np.array([1 / np.hypot(*w) for w in waves])
-    tilts = np.array([np.arctan2(w[0], w[1]) for w in waves])
-    spread = np.sqrt((n - 1) * np.array([periods.var(), tilts.var()]))
-    return replace(found, period_error=float(spread[0]), tilt_error=float(spread[1]))
+    """Standard errors from what each part of the piece pulls at the wave [Liang & Zeger 1986].
+
+    Of parts as wide as high and of bands of layers the larger, since roughness is alike over
+    millimetres, and what a layer has of its own over the whole of it.
+    """
+    size = np.sqrt(np.einsum("ij,ij->j", system, system)) + 1e-300
+    scaled = system / size
+    weighted = scaled * trust[:, None]
+    matrix = weighted.T @ scaled
+    values = np.linalg.lstsq(matrix, weighted.T @ cells.height, rcond=1e-12)[0]
+    weighted *= (cells.height - scaled @ values)[:, None]
+    period, tilt = found.wave / np.hypot(*found.wave) ** 3, found.wave[::-1] * [1, -1]
+    figures = np.stack([-period, tilt / np.hypot(*found.wave) ** 2])
+    errors = []
+    for columns, rows in _DIVIDED:
+        part = cells.column * columns // cells.shape[1] * rows + cells.row * rows // cells.shape[0]
+        pulls = np.stack([weighted[part == index].sum(axis=0) for index in np.unique(part)])
+        moves = np.linalg.lstsq(matrix, pulls.T, rcond=1e-12)[0][-2:] / size[-2:, None] * scale
+        parts = moves.shape[1]
+        share = np.sqrt(parts / max(parts - 1, 1)) * student(parts)
+        errors.append(share * np.linalg.norm(figures @ moves, axis=1))
+    of_period, of_tilt = np.max(errors, axis=0)
+    return replace(found, period_error=float(of_period), tilt_error=float(of_tilt))
 
 
 def solved(system: Vector, right: Vector, trust: Vector) -> Vector:

@@ -14,10 +14,22 @@ Unit = Literal["guess", "mm", "cm", "m", "inch"]
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
 _GUESSED = ("mm", "inch", "m")
-_USUAL = 0.1  # m, the length of a sample that a print is cut into
-_SMALLEST, _LARGEST = 0.015, 1.5  # m, what a scanned sample can be long
 _LARGEST_FILE = 4 << 30  # bytes
 _FEWEST = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Sizes:
+    """How long what was scanned can be, and usually is, in m; ``what`` it is, in words."""
+
+    smallest: float
+    largest: float
+    usual: float
+    what: str
+
+
+SAMPLE = Sizes(0.015, 1.5, 0.1, "a sample")
+"""What is cut from a print to be scanned."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,27 +37,31 @@ class Scan:
     """What a scanner saw.
 
     ``points`` (N, 3) float64 in m, in the file's own axes; ``faces`` (F, 3) int32, empty for a
-    cloud of points; ``notes`` say what was assumed and left out.
+    cloud of points; ``notes`` say what was assumed and left out. ``unit`` is the one that the
+    file's numbers were taken in, of those in METRES; "" where there is no file.
     """
 
     name: str
     points: Vector
     faces: NDArray[np.int32]
     notes: tuple[str, ...] = ()
+    unit: str = ""
 
 
-def load_scan(path: Path, unit: Unit = "guess", most: int = 20_000_000) -> Scan:
+def load_scan(
+    path: Path, unit: Unit = "guess", most: int = 20_000_000, sizes: Sizes = SAMPLE
+) -> Scan:
     """The scan in a PLY, OBJ, STL or other file that trimesh reads.
 
-    With ``unit`` "guess" the unit is the one in which the piece is nearest to 10 cm long. Points
-    that are no numbers are left out with their faces. Of more than ``most`` points every n-th is
-    kept, as a cloud without faces.
+    With ``unit`` "guess" the unit is the one in which the piece is nearest to its usual length in
+    ``sizes``. Points that are no numbers are left out with their faces. Of more than ``most``
+    points every n-th is kept, as a cloud without faces.
 
     Raises FileError for a missing, damaged, empty or too large file, SceneError where the piece's
-    size cannot be that of a sample.
+    length is not within ``sizes``.
     """
     points, faces = _read(path)
-    return scan_of(path.name, points, faces, unit, most)
+    return scan_of(path.name, points, faces, unit, most, sizes)
 
 
 def scan_of(
@@ -54,6 +70,7 @@ def scan_of(
     faces: NDArray[Any],
     unit: Unit = "guess",
     most: int = 20_000_000,
+    sizes: Sizes = SAMPLE,
 ) -> Scan:
     """A `Scan` of arrays, (N, 3) in ``unit`` and (F, 3); otherwise as `load_scan`."""
     notes: list[str] = []
@@ -74,9 +91,8 @@ def scan_of(
         points, faces = np.ascontiguousarray(points[::step]), np.zeros((0, 3), np.int32)
     if not len(faces):
         notes.append("The scan has no faces: read as a cloud of points.")
-    length = _length(points)
-    chosen = _unit(name, length, unit, notes)
-    return Scan(name, points * METRES[chosen], faces, tuple(notes))
+    chosen = _unit(name, _length(points), unit, sizes, notes)
+    return Scan(name, points * METRES[chosen], faces, tuple(notes), chosen)
 
 
 def _read(path: Path) -> tuple[Vector, NDArray[Any]]:
@@ -142,20 +158,21 @@ def _length(points: Vector) -> float:
     return float(np.linalg.norm(high - low))
 
 
-def _unit(name: str, length: float, unit: Unit, notes: list[str]) -> str:
-    """The unit that was asked for or is likeliest, checked against what a sample can be."""
-    likely = min(_GUESSED, key=lambda u: abs(np.log(max(length, 1e-12) * METRES[u] / _USUAL)))
+def _unit(name: str, length: float, unit: Unit, sizes: Sizes, notes: list[str]) -> str:
+    """The unit that was asked for or is likeliest, checked against what the piece can be."""
+    likely = min(_GUESSED, key=lambda u: abs(np.log(max(length, 1e-12) * METRES[u] / sizes.usual)))
     chosen = likely if unit == "guess" else unit
     size = length * METRES[chosen]
-    if not _SMALLEST <= size <= _LARGEST:
+    if not sizes.smallest <= size <= sizes.largest:
+        other = length * METRES[likely]
         hint = (
-            f"with unit = “{likely}” it would be {_said(length * METRES[likely])}"
-            if _SMALLEST <= length * METRES[likely] <= _LARGEST and likely != chosen
-            else "scan a sample of a few centimetres, or scale the file"
+            f"with unit = “{likely}” it would be {_said(other)}"
+            if sizes.smallest <= other <= sizes.largest and likely != chosen
+            else f"scan {sizes.what} of about {_said(sizes.usual)}, or scale the file"
         )
         raise SceneError(
-            f"The scan “{name}” is {_said(size)} long when its numbers are in {chosen}, and a "
-            f"sample has {_said(_SMALLEST)} to {_said(_LARGEST)}; {hint}."
+            f"The scan “{name}” is {_said(size)} long when its numbers are in {chosen}, and "
+            f"{sizes.what} has {_said(sizes.smallest)} to {_said(sizes.largest)}; {hint}."
         )
     if unit == "guess":
         notes.append(

@@ -9,7 +9,7 @@ from ..core.scene import Vector
 from .design import Design
 from .deviation import Spread, statistics
 from .found import Found
-from .register import Registration
+from .judge import Registration
 
 _TO_95 = 1.96  # standard errors
 _OFF = 0.3  # of what is near: an RMS above it may be that of another piece

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..core.errors import FileError
-from ..core.files import written
+from ..core.files import BROKEN, written
 from ..core.scene import Vector
 from ..core.table import save_csv
 from .found import LayerTable
@@ -79,7 +79,7 @@ class AsPrinted:
                     design_layers=LayerTable.of(held, "design_layers_"),
                     meta=json.loads(str(held["meta"])),
                 )
-        except (OSError, ValueError, KeyError, EOFError) as failed:
+        except BROKEN as failed:
             raise FileError(
                 f"“{folder}” holds no comparison of a scan with its design; compare again."
             ) from failed

@@ -17,7 +17,7 @@ from .align import Aligned, Search, align, placed
 from .clean import clean
 from .fold import Fold, fold
 from .layers import Layers
-from .load import Scan, load_scan
+from .load import Scan, Unit, load_scan
 from .patch import patch_of
 from .quality import figures_of, remarks
 from .result import FaceReading, Reading
@@ -32,7 +32,7 @@ class ScanReading:
     """How a scanned sample is read."""
 
     file: str = param("", help="PLY, OBJ or STL of the sample; empty takes the built-in one")
-    unit: Literal["guess", "mm", "cm", "m", "inch"] = param(
+    unit: Unit = param(  # noqa: RUF009
         "guess", help="Unit of the file's numbers; “guess” goes by the size of the piece"
     )
     repair: bool = param(True, help="Clean the mesh first: doubled, torn, loose and missing faces")
@@ -96,7 +96,7 @@ def read(scan: Scan, record: ScanReading, *, seed: int = 0, progress: Progress =
         "seed": seed,
         "version": VERSION,
         "seconds": time.perf_counter() - started,
-        "notes": notes + remarks(piece, figures),
+        "notes": notes + remarks(piece, folds, figures),
     }
     every = zip(piece.faces, folds, found, patches, strict=True)
     readings = tuple(_face_reading(f.name, one, rough, patch) for f, one, rough, patch in every)
@@ -198,7 +198,10 @@ def _face_reading(name: str, one: Fold, rough: Roughness, patch: Mesh) -> FaceRe
 
 
 def _style(name: str, folds: list[Fold], rough: Roughness, height: float) -> Style:
-    """The relief; the depth is that of the deeper face, so that the other's stays what it is."""
+    """The relief; the depth is that of the deeper face, so that the other's stays what it is.
+
+    Its roughness is what the texture holds, so that every octave on a wall is as it was measured.
+    """
     depth = max(one.depth for one in folds)
     profiles = [Profile((one.profile - one.profile.min()) / depth) for one in folds]
     return Style(
@@ -208,5 +211,5 @@ def _style(name: str, folds: list[Fold], rough: Roughness, height: float) -> Sty
         texture=rough.texture,
         height=height,
         depth=depth,
-        roughness=rough.rms,
+        roughness=rough.held,
     )

@@ -41,9 +41,10 @@ class Roughness:
 
     All maps (rows, columns) in m, row 0 at the lowest z: ``height`` over the slow trend and ``raw``
     over the bead too are means over the cells of ``cells``, NaN where there are none; ``smooth`` is
-    the surface's likeliest course through the latter, everywhere. ``rms`` in m without the noise;
-    ``noise`` in m of one point; ``octaves`` from long to short; ``texture`` is a tile with this
-    spectrum, None where there is no roughness.
+    the surface's likeliest course through the latter, everywhere. ``rms`` in m is of all waves,
+    without the noise; ``noise`` in m of one point; ``octaves`` from long to short. ``texture`` is a
+    tile of the octaves that stand clear of the noise, brought to RMS 1, and ``held`` in m what it
+    had before: ``rms`` less what is too long or too faint to tell. None and 0 where there is none.
     """
 
     cells: Cells
@@ -51,6 +52,7 @@ class Roughness:
     raw: Vector
     smooth: Vector
     rms: float
+    held: float
     noise: float
     octaves: tuple[Octave, ...]
     texture: Texture | None
@@ -76,7 +78,7 @@ def find_roughness(face: Face, layers: Layers, fold: Fold, valley: float, seed: 
     signal, noise = _spectra(halves, filling)
     octaves = _octaves(signal, noise, raw.shape, edge)
     smooth = _likeliest(np.where(np.isnan(raw), filling, raw), octaves, edge)
-    texture = _texture(signal, octaves, raw.shape, edge, seed)
+    texture, held = _texture(signal, octaves, raw.shape, edge, seed)
     shared = float(np.mean(halves[0][both] * halves[1][both]))
     return Roughness(
         cells=cells,
@@ -84,6 +86,7 @@ def find_roughness(face: Face, layers: Layers, fold: Fold, valley: float, seed: 
         raw=raw,
         smooth=smooth,
         rms=float(np.sqrt(max(shared, 0.0))),
+        held=held,
         noise=_noise_of_a_point(face, cells),
         octaves=octaves,
         texture=texture,
@@ -199,8 +202,10 @@ def _likeliest(grid: Vector, octaves: tuple[Octave, ...], edge: float) -> Vector
 
 def _texture(
     signal: Vector, octaves: tuple[Octave, ...], shape: tuple[int, ...], edge: float, seed: int
-) -> Texture | None:
+) -> tuple[Texture | None, float]:
     """A tile of the same spectrum with random phases [van Wijk 1991, Galerne et al. 2011].
+
+    And its RMS in m, to which its heights of RMS 1 belong.
 
     Octaves that the noise drowns stay empty; the power of each other one is as measured.
     """
@@ -213,9 +218,8 @@ def _texture(
         if total > 0 and octave.signal**2 > _FAINT * octave.noise**2:
             kept[band] = power[band] * (octave.signal**2 / total)
     if not kept.any():
-        return None
+        return None, 0.0
     white = np.fft.fft2(np.random.default_rng((3, seed)).normal(size=shape))
     phases = white / np.maximum(np.abs(white), 1e-300)
     heights = np.fft.ifft2(phases * np.sqrt(kept)).real * power.size
-    texture, _ = texture_of(heights, (shape[1] * edge, shape[0] * edge))
-    return texture
+    return texture_of(heights, (shape[1] * edge, shape[0] * edge))

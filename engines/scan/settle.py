@@ -117,6 +117,11 @@ def lever_of(points: Vector) -> float:
     return float(np.median(np.linalg.norm(points - np.median(points, axis=0), axis=1)))
 
 
+def turn_of(matrix: Vector) -> float:
+    """By how much in rad a matrix (4, 4) turns."""
+    return float(Rotation.from_matrix(matrix[:3, :3]).magnitude())
+
+
 def motion(step: Vector, pivot: Vector, lever: float) -> Vector:
     """The matrix (4, 4) of a ``step`` (6 or 7,) in m: turn and scale about ``pivot``, and shift."""
     turn = Rotation.from_rotvec(step[:3] / lever).as_matrix()

@@ -87,8 +87,7 @@ def scan_to_wall(
         roughness=style.roughness,
     )
     check_relief(relief, wall.thickness)
-    spiral = replace(record.print.spiral, layer_height=style.height)
-    given = replace(record.print, wall=wall, spiral=spiral)
+    given = replace(record.print, wall=wall)
     printed = print_wall(scene, given, seed=seed, progress=part(progress, 0.7, 0.9))
     progress(0.9, "Putting the relief on")
     smooth, skin = wall_skin(wall)

@@ -62,6 +62,24 @@ def test_the_design_is_coloured_by_what_became_of_it(wall, scene, tmp_path):
     assert 0.5 < figures["within_tolerance"]["value"] < 0.99
 
 
+def test_objects_of_the_users_are_left_alone(wall, scene, tmp_path):
+    wall.modifiers.new("", "SUBSURF").subdivision_type = "SIMPLE"
+    wall.heliform.wall.faces = 20_000
+    mine = bpy.data.objects.new(f"{wall.name} as printed", bpy.data.meshes.new("Mine"))
+    scene.collection.objects.link(mine)
+    scene.heliform.comparison.file = scanned(wall, tmp_path / "a.ply")
+    assert bpy.ops.heliform.compare_print() == {"FINISHED"}
+    made = [o for o in scene.objects if layers.layer_of(o)]
+    assert len(made) == 1
+    assert mine.data.name == "Mine"
+    assert not mine.data.vertices
+    made[0].name = "Renamed"
+    meshes = len(bpy.data.meshes)
+    assert bpy.ops.heliform.compare_print() == {"FINISHED"}
+    assert [o.name for o in scene.objects if layers.layer_of(o)] == ["Renamed"]
+    assert len(bpy.data.meshes) == meshes
+
+
 def test_without_a_scan_or_a_design_it_cannot_be_asked_for(wall, scene, tmp_path):
     assert not bpy.ops.heliform.compare_print.poll()
     scene.heliform.comparison.file = str(tmp_path / "fehlt.ply")
@@ -75,5 +93,5 @@ def test_a_scan_of_something_else_is_said(wall, scene, tmp_path):
     ball = trimesh.creation.icosphere(subdivisions=5, radius=100)
     ball.export(tmp_path / "Kugel.stl")
     scene.heliform.comparison.file = str(tmp_path / "Kugel.stl")
-    with pytest.raises(RuntimeError, match=r"Only .* % of the scan"):
+    with pytest.raises(RuntimeError, match=r"touches the design nowhere|% of the scan"):
         bpy.ops.heliform.compare_print()

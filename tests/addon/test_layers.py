@@ -60,3 +60,46 @@ def test_clearing_leaves_nothing(cube):
     layers.clear([cube])
     assert layers.layer_of(cube) is None
     assert set(cube.data.attributes.keys()) == before
+
+
+def test_a_mesh_that_others_share_becomes_its_own(cube, scene):
+    twin = bpy.data.objects.new("Twin", cube.data)
+    scene.collection.objects.link(twin)
+    layers.paint(cube, np.zeros(8), layer())
+    assert layers.layer_of(cube)
+    assert layers.layer_of(twin) is None
+    assert layers.COLOURS not in twin.data.attributes
+
+
+@pytest.fixture
+def shading(cube):
+    """The shading of a 3D view that a person has set to a MatCap in random colours."""
+    screen = bpy.context.window_manager.windows[0].screen
+    (area,) = (a for a in screen.areas if a.type == "VIEW_3D")
+    found = area.spaces.active.shading
+    found.type, found.light, found.color_type = "SOLID", "MATCAP", "RANDOM"
+    return found
+
+
+def test_views_show_again_what_they_did_before(cube, shading, scene):
+    other = bpy.data.objects.new("Other", bpy.data.meshes.new("Other"))
+    scene.collection.objects.link(other)
+    for obj in (cube, other):
+        layers.paint(obj, np.zeros(len(obj.data.vertices)), layer())
+        layers.show_in_views(bpy.context)
+    assert (shading.light, shading.color_type) == ("STUDIO", "VERTEX")
+    layers.clear([cube])
+    layers.restore_views(bpy.context)
+    assert shading.color_type == "VERTEX"
+    layers.clear([other])
+    layers.restore_views(bpy.context)
+    assert (shading.light, shading.color_type) == ("MATCAP", "RANDOM")
+
+
+def test_what_a_person_chose_since_stays(cube, shading):
+    layers.paint(cube, np.zeros(8), layer())
+    layers.show_in_views(bpy.context)
+    shading.color_type = "SINGLE"
+    layers.clear([cube])
+    layers.restore_views(bpy.context)
+    assert (shading.light, shading.color_type) == ("STUDIO", "SINGLE")

@@ -47,7 +47,7 @@ def test_the_gate_follows_the_sliders_and_says_what_is_wrong(wall):
     wall.heliform.wall.height = 0.6
     verdict = printing.verdict_of(wall)
     failed = {check["name"]: check for check in verdict["checks"] if not check["passed"]}
-    assert failed["reach"]["sentence"].endswith("make the piece smaller or lower.")
+    assert failed["reach"]["sentence"].endswith("make the piece lower.")
     assert "not printable" in layers.layer_of(wall).footing
 
 
@@ -119,7 +119,7 @@ def test_the_gcode_is_the_path(wall, tmp_path):
     shown = printing.print_of(wall, bpy.context).path
     read = read_gcode(file.read_text(encoding="utf-8"))
     np.testing.assert_allclose(read.points(load_machine()), shown.points, atol=1e-6)
-    assert json.loads(file.with_suffix(".json").read_text(encoding="utf-8"))["passed"]
+    assert json.loads(file.with_suffix(".gate.json").read_text(encoding="utf-8"))["passed"]
     assert bpy.ops.heliform.export_gcode(filepath=str(tmp_path / "w.csv")) == {"FINISHED"}
     rows = (tmp_path / "w.csv").read_text(encoding="utf-8").splitlines()
     head, *rows = [row for row in rows if not row.startswith("#")]

@@ -7,6 +7,7 @@ import trimesh
 from heliform.addon import jobs
 from heliform.addon.bridge import print_layers, scan
 from heliform.addon.bridge.print_styles import style_of
+from heliform.engines.core import export
 from heliform.operators.relief import relief_of
 
 PERIOD, DEPTH, RADIUS = 5.0, 0.9, 100.0  # mm
@@ -78,6 +79,74 @@ def test_reading_again_replaces_the_patch(scene, tmp_path):
     before = {o.name for o in scene.objects}
     bpy.ops.heliform.read_scan()
     assert {o.name for o in scene.objects} == before
+
+
+def test_what_has_the_names_already_is_the_users(scene, tmp_path):
+    mine = bpy.data.objects.new("a outer", bpy.data.meshes.new("a outer"))
+    scene.collection.objects.link(mine)
+    picture = bpy.data.images.new("a outer height", 4, 3)
+    scene.heliform.scan_reading.file = sample(tmp_path / "a.ply")
+    assert bpy.ops.heliform.read_scan() == {"FINISHED"}
+    assert not mine.data.vertices
+    assert tuple(picture.size) == (4, 3)
+    facts = scan.facts_of(scene.heliform.relief)
+    assert facts["images"] == ["a outer height.001"]
+    patch = scene.objects["a outer.001"]
+    patch.name = "Renamed"
+    counts = [len(c) for c in (bpy.data.objects, bpy.data.meshes, bpy.data.images)]
+    assert bpy.ops.heliform.read_scan() == {"FINISHED"}
+    assert [len(c) for c in (bpy.data.objects, bpy.data.meshes, bpy.data.images)] == counts
+    assert len(patch.data.vertices)
+
+
+def test_choosing_a_scan_reads_it(scene, tmp_path):
+    file = sample(tmp_path / "a.ply")
+    assert bpy.ops.heliform.choose_scan(filepath=file) == {"FINISHED"}
+    assert scene.heliform.scan_reading.file == file
+    assert scan.facts_of(scene.heliform.relief)
+
+
+def test_choosing_what_cannot_be_read_is_one_sentence(scene, tmp_path):
+    (tmp_path / "leer.ply").write_bytes(b"nothing")
+    with pytest.raises(RuntimeError) as said:
+        bpy.ops.heliform.choose_scan(filepath=str(tmp_path / "leer.ply"))
+    assert "Traceback" not in str(said.value)
+    assert len(str(said.value).strip().splitlines()) == 1
+    assert not jobs.state.running
+
+
+def test_a_job_reads_the_scan_where_it_lies(scene, tmp_path, monkeypatch):
+    copied = []
+    monkeypatch.setattr(export, "_copy", lambda *given: copied.append(given))
+    scene.heliform.scan_reading.file = sample(tmp_path / "a.ply")
+    assert bpy.ops.heliform.read_scan() == {"FINISHED"}
+    assert not copied
+
+
+def test_a_relief_that_one_wall_cannot_take_changes_none(scene, tmp_path):
+    scene.heliform.scan_reading.file = sample(tmp_path / "a.ply")
+    bpy.ops.heliform.read_scan()
+    walls = []
+    for _ in range(2):
+        bpy.ops.heliform.add_wall(preset="tube")
+        walls.append(bpy.context.object)
+        walls[-1].heliform.wall.faces, walls[-1].heliform.wall.bead.height = 10_000, 0.004
+    walls[1].data.vertices[0].co.x += 0.01
+    for wall in walls:
+        wall.select_set(True)
+    bpy.context.view_layer.objects.active = walls[0]
+    before = [state_of(wall) for wall in walls]
+    with pytest.raises(RuntimeError, match="changed by hand"):
+        bpy.ops.heliform.use_scan()
+    assert [state_of(wall) for wall in walls] == before
+
+
+def state_of(wall):
+    """What a relief would change: the modifier, the layers of the wall and its mesh."""
+    modifier = print_layers.read_modifier(relief_of(wall))
+    places = np.array([v.co for v in wall.data.vertices])
+    height = wall.heliform.wall.bead.height
+    return modifier[0], modifier[1].digest, height, places.tobytes(), wall.heliform.problem
 
 
 def test_a_scan_without_layers_is_said_and_leaves_nothing(scene, tmp_path):

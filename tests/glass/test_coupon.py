@@ -51,6 +51,35 @@ def test_each_band_has_the_width_and_speed_of_its_row(record, printer):
     assert bands["Expected width (mm)"][middle] == pytest.approx(record.width * 1e3)
 
 
+def test_the_table_has_the_speed_that_the_path_really_has():
+    """Held back in its bends, the path gets up to less than was asked for on the straight sides."""
+    printer = machine(extrusion="volumetric", rotary_rate_max=5.0, acceleration_max=0.05)
+    record = Coupon()
+    made = coupon(record, printer)
+    path = made.path
+    sides = np.abs(path.points[:, 0]) < record.straight / 2 - 2e-3
+    for row in range(record.bands):
+        low, high = row * record.turns, (row + 1) * record.turns
+        there = path.speed[sides & path.full & (path.turn >= low) & (path.turn < high)] * 1e3
+        said = made.bands["Speed (mm/s)"][row]
+        assert said == pytest.approx(there.mean(), rel=0.03)
+    asked = printer.value("flow") / (record.width * (1 - record.spread) * record.layer_height)
+    assert made.bands["Speed (mm/s)"][0] < 0.97 * asked * 1e3
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"reach_z": 84.0}, "Height of the nozzle 85 mm"),
+        ({"reach_y": 60.0}, "Way of the nozzle"),
+        ({"bed_x": 187.0}, "Outer side"),
+    ],
+)
+def test_a_coupon_beyond_the_machine_is_refused_in_one_sentence(changes, said):
+    with pytest.raises(ParameterError, match=said):
+        coupon(Coupon(), machine(**changes))
+
+
 def test_it_is_saved_as_gcode_and_table(tmp_path):
     made = coupon(Coupon(), load_machine())
     assert made.save(tmp_path, load_machine()) == ["coupon.gcode", "coupon.csv"]

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 import shapely
 from glass.paths import LOFTS, THICKNESS, circle, lobed, machine, path_on, polar, roomy, waist
-from heliform.engines.glass.gate import axes_of, gate, gate_loft
+from heliform.engines.glass.gate import gate, gate_loft
+from heliform.engines.glass.gcode import gcode, read_gcode
 from heliform.engines.glass.machine import load_machine
 from heliform.engines.glass.outline import Outline
+from heliform.engines.glass.reach import axes_of
 from heliform.engines.glass.surface import Loft
 from heliform.engines.glass.toolpath import Spiral, spiral
 from hypothesis import given, settings
@@ -171,9 +173,64 @@ def test_the_nozzle_has_to_reach_every_point(axis):
     printer = roomy(axes="three", **{f"reach_{axis}": 100.0 if axis != "z" else 49.0})
     verdict = verdict_on(loft, printer)
     assert only_failed(verdict) == {"reach"}
-    reach = {"x": 120.0, "y": 80.0, "z": 50.0}[axis]
+    reach = {"x": 120.0, "y": 80.0, "z": 60.0}[axis]  # a centimetre clear of the piece
     assert named(verdict, "reach").worst == pytest.approx(reach, rel=1e-2)
     assert f"reach {axis}" in named(verdict, "reach").source
+
+
+@pytest.mark.parametrize("axes", ["three", "four"])
+def test_the_nozzle_has_to_reach_the_purge(axes):
+    """A tube of 100 mm and a purge of 30 mm outside: to the right, or for the bed's axes below."""
+    side = "x" if axes == "three" else "y"
+    path = spiral(circle(), THICKNESS, Spiral(), roomy(axes=axes))
+    for way, fits in ((259.0, False), (261.0, True)):
+        printer = roomy(axes=axes, **{f"reach_{side}": way})
+        verdict = gate(circle(), THICKNESS, path, printer, 0.03)
+        assert only_failed(verdict) == (set() if fits else {"reach"})
+        assert named(verdict, "reach").worst == pytest.approx(130.0, rel=1e-3)
+        assert gate(circle(), THICKNESS, path, printer).passed
+        unpurged = replace(printer, dialect=replace(printer.dialect, purge=()))
+        assert gate(circle(), THICKNESS, path, unpurged, 0.03).passed
+
+
+def test_the_nozzle_has_to_rise_clear_of_the_piece_where_the_machine_is_told_to():
+    verdict = verdict_on(circle(), roomy(reach_z=59.0))
+    told = named(verdict, "reach").sentence
+    assert told.startswith("Height of the nozzle 60 mm at turn 11.0, z 50 mm, is above the 59 mm")
+    assert verdict_on(circle(), roomy(reach_z=61.0)).passed
+    assert verdict_on(circle(), roomy(reach_z=51.0, start=[], end=[])).passed
+
+
+@pytest.mark.parametrize("radius", [0.05, 0.08])
+def test_what_the_gate_says_of_reach_is_where_the_gcode_goes(radius):
+    loft, printer = lobed(radius), machine("desktop-printer")
+    path = spiral(loft, THICKNESS, Spiral(), printer)
+    axes = read_gcode(gcode(path, printer, 0.03)).axes[1:]  # without homing
+    furthest = (np.abs(axes[:, :2] - 110).max(), axes[:, 2].max())
+    reach = named(gate(loft, THICKNESS, path, printer, 0.03), "reach")
+    share = max(furthest[0] / 110, furthest[1] / 240)
+    assert reach.share == pytest.approx(share, rel=1e-4)
+
+
+def test_a_lower_limit_is_told_as_one():
+    passed = named(verdict_on(circle(), roomy(turn_time_min=100.0)), "turn_time_min").sentence
+    assert passed.startswith("Time for a turn 126 s at turn")
+    assert passed.endswith(", at least 100 s is needed.")
+    failed = named(verdict_on(circle(), roomy(turn_time_min=150.0)), "turn_time_min").sentence
+    assert "is below the 150 s that is needed; take a longer" in failed
+    upper = named(verdict_on(circle()), "mass").sentence
+    assert upper.endswith("within the 1000 kg that is allowed.")
+
+
+def test_the_share_is_of_the_way_to_the_limit():
+    middle = named(verdict_on(circle(), roomy(width_min=6.0, width_max=10.0)), "width")
+    assert middle.share == pytest.approx(0.0, abs=1e-3)
+    near = named(verdict_on(circle(), roomy(width_min=7.0, width_max=13.0)), "width")
+    assert near.share == pytest.approx(2 / 3, rel=1e-3)
+    turn = named(verdict_on(circle(), roomy(turn_time_min=100.0)), "turn_time_min")
+    assert turn.share == pytest.approx(100 / turn.worst)
+    room = named(verdict_on(circle()), "room")
+    assert room.share == pytest.approx(4 / 100, rel=1e-2)
 
 
 def test_a_bed_that_turns_keeps_the_path_to_one_direction():
@@ -262,7 +319,7 @@ def test_the_quick_gate_says_what_the_full_one_says(waves, wave, radius, layers,
     loft = lobed(radius, layers * RISE, waves, wave, twist=twist)
     path = spiral(loft, THICKNESS, Spiral(), printer)
     full, quick = (
-        gate(loft, THICKNESS, path, printer),
+        gate(loft, THICKNESS, path, printer, Spiral().purge),
         gate_loft(loft, THICKNESS, Spiral(), printer),
     )
     assert full.inputs == quick.inputs

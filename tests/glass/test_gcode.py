@@ -1,6 +1,7 @@
 """G-code: read back by our own reader and by another's, the path to 1 µm and the volume to 1 %."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,14 @@ from glass.paths import LOFTS, THICKNESS, circle, lobed, machine, path_on, roomy
 from heliform.engines.core.errors import FileError
 from heliform.engines.core.table import load_csv
 from heliform.engines.glass.bead import Bead
-from heliform.engines.glass.gcode import BEGIN, END, gcode, read_gcode, write_gcode, write_path
+from heliform.engines.glass.gcode import (
+    BEGIN,
+    END,
+    gcode,
+    read_gcode,
+    write_gcode,
+    write_path,
+)
 from heliform.engines.glass.loft import Wall, wall_loft
 from heliform.engines.glass.machine import load_machine, machine_of
 from heliform.engines.glass.printed import wall_mesh
@@ -134,6 +142,17 @@ def test_a_bed_that_turns_is_told_how_long_each_move_takes():
     assert motion.seconds[motion.path[0] + 1 : motion.path[1] + 1].sum() == pytest.approx(
         path.seconds, rel=1e-5
     )
+
+
+@pytest.mark.parametrize("slower", [1e-6, 1.0, 1e7])
+def test_no_number_has_an_exponent(slower):
+    path = path_on(circle(), roomy())
+    path = replace(path, time=path.time * slower)
+    text = gcode(path, roomy())
+    assert not re.search(r"\de[-+]\d", text)
+    motion = read_gcode(text)
+    seconds = motion.seconds[motion.path[0] + 1 : motion.path[1] + 1]
+    assert seconds == pytest.approx(np.diff(path.time), rel=1e-6)
 
 
 def test_the_purge_lies_outside_the_start():

@@ -1,6 +1,8 @@
 """The print library: what is counted, what the rows say, and going on after a stop."""
 
 import json
+import os
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -99,7 +101,7 @@ def test_a_row_says_what_the_gate_says_of_that_wall(library, index):
     wall = wall_of(plan_of(row, SMALL.radius), SMALL)
     loft = wall_loft(wall)
     path = spiral(loft, wall.thickness, SMALL.spiral, machine)
-    verdict = gate(loft, wall.thickness, path, machine)
+    verdict = gate(loft, wall.thickness, path, machine, SMALL.spiral.purge)
     reason = verdict.failed[0].name if verdict.failed else ACCEPTED
     assert row["reason"] == reason
     assert row["resolved"] == bool(loft.notes)
@@ -144,15 +146,57 @@ def test_a_run_that_was_stopped_goes_on_where_it_was(library, record, processes,
     assert found.rows.tobytes() == library.rows.tobytes()
     assert any("by an earlier run" in note for note in found.meta["notes"])
     found.save(tmp_path)
-    assert not (tmp_path / "rows.npz").exists()
-    assert [p.name for p in tmp_path.iterdir()] == ["library.csv"]
+    assert (tmp_path / "rows.npz").exists()  # the result may be elsewhere, or lost
+    again = print_library(Scene(), record)
+    assert again.meta["judged"] == 0
+    assert again.rows.tobytes() == library.rows.tobytes()
 
 
-def test_a_store_of_something_else_is_begun_anew(record):
+def test_a_store_of_something_else_is_refused_and_left_alone(record, tmp_path):
     with pytest.raises(Cancelled):
         print_library(Scene(), record, progress=stop_after(0.01))
-    found = print_library(Scene(), replace(record, thickness=0.009))
-    assert found.meta["judged"] == 36
+    kept = (tmp_path / "rows.npz").read_bytes()
+    with pytest.raises(FileError, match="rows of another print library; remove it, or choose"):
+        print_library(Scene(), replace(record, thickness=0.009))
+    assert (tmp_path / "rows.npz").read_bytes() == kept
+
+
+def test_the_cache_folder_keeps_a_store_a_week(monkeypatch, tmp_path):
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    folder = tmp_path / "heliform"
+    folder.mkdir()
+    now = time.time()
+    for name, days in (("library-old", 8), ("library-new", 6), ("mine", 30)):
+        (folder / f"{name}.npz").write_text("rows")
+        os.utime(folder / f"{name}.npz", (now - days * 86400,) * 2)
+    print_library(Scene(), replace(SMALL, limit=1))
+    names = {path.name for path in folder.iterdir()}
+    assert "library-old.npz" not in names
+    assert {"library-new.npz", "mine.npz"} < names
+    assert len(names) == 3
+
+
+def test_a_named_store_clears_nothing(record, tmp_path):
+    old = tmp_path / "library-old.npz"
+    old.write_text("rows")
+    os.utime(old, (0, 0))
+    print_library(Scene(), replace(record, limit=1))
+    assert old.exists()
+
+
+def test_what_a_reader_should_know_is_noted(library, record):
+    notes = library.meta["notes"]
+    assert any("19 of 22 limits of Glass printer are unconfirmed" in note for note in notes)
+    assert not any("drawn by the seed" in note for note in notes)
+    part = print_library(Scene(), replace(record, limit=5), seed=3).meta["notes"]
+    assert any("The 5 walls are a part of all 36, drawn by the seed 3" in note for note in part)
+    tight = replace(record, radius=0.03, amplitude_high=0.3, store_file=record.store_file + "2.npz")
+    found = print_library(Scene(), tight)
+    count = found.figures()["overlaps_resolved"]["value"]
+    assert count > 0
+    said = [note for note in found.meta["notes"] if "overlaps_resolved" in note]
+    assert said[0].startswith(f"{count} outlines would run into themselves")
 
 
 def test_what_is_saved_is_loaded_and_opens_as_a_table(library, tmp_path):
@@ -204,7 +248,7 @@ def test_a_study_makes_a_library_with_its_report(tmp_path):
     assert {"library.csv", "reasons.png", "report.html"} <= set(files)
     figures = json.loads((out / "result.json").read_text(encoding="utf-8"))["figures"]
     assert figures["candidates"]["value"] == 8
-    assert not (tmp_path / "kept.npz").exists()
+    assert (tmp_path / "kept.npz").exists()
 
 
 def test_the_analysis_is_found_by_its_name():
@@ -226,6 +270,7 @@ def test_the_store_is_in_the_cache_folder_unless_it_is_named(monkeypatch, tmp_pa
         ({"periods": 1}, ParameterError, "periods = 1 is out of bounds"),
         ({"machine": "file", "machine_file": "nothing.toml"}, FileError, "no machine profile"),
         ({"machine": "file"}, ParameterError, "no profile is named"),
+        ({"machine_file": "my.toml"}, ParameterError, 'set machine = "file"'),
         ({"radius": 0.005, "thickness": 0.02}, ParameterError, "no room for a wall"),
     ],
 )
@@ -234,11 +279,14 @@ def test_a_library_that_cannot_be_is_refused_in_a_sentence(record, change, error
         print_library(Scene(), replace(record, **change))
 
 
-def test_a_store_that_is_none_is_refused_and_left_alone(record, tmp_path):
-    (tmp_path / "rows.npz").write_text("mine")
+@pytest.mark.parametrize(
+    "content", [b"mine", b"", b"PK\x03\x04 cut off", b"PK\x05\x06" + bytes(18)]
+)
+def test_a_store_that_is_none_is_refused_and_left_alone(record, tmp_path, content):
+    (tmp_path / "rows.npz").write_bytes(content)
     with pytest.raises(FileError, match="not a store of a print library"):
         print_library(Scene(), record)
-    assert (tmp_path / "rows.npz").read_text() == "mine"
+    assert (tmp_path / "rows.npz").read_bytes() == content
 
 
 def test_a_store_where_nothing_can_be_made_is_refused(record, tmp_path):

@@ -228,3 +228,15 @@ def test_a_wall_that_cannot_be_is_refused_in_a_sentence(wall, curves, said):
     with pytest.raises(ParameterError, match=said) as refused:
         wall_mesh(wall, curves)
     assert str(refused.value).startswith("[glass.wall] ")
+
+
+def test_the_skin_of_a_wall_asks_nothing_of_the_sag():
+    """Its relief comes later: a sag beyond half a layer, or half the wall, is the mesh's alone."""
+    for bead, thickness in ((Bead(height=2e-3), 8e-3), (Bead(sag=2.4e-3), 4e-3)):
+        wall = replace(SMALL, bead=bead, thickness=thickness)
+        with pytest.raises(ParameterError):
+            wall_mesh(wall)
+        smooth, skin = wall_skin(wall)
+        middle = wall_loft(wall).at(skin.turn, smooth.vertices[:, 2]).points[:, :2]
+        stands = ((smooth.vertices[:, :2] - middle) * skin.normal).sum(axis=1)
+        assert stands == pytest.approx(skin.side * thickness / 2, abs=1e-9)

@@ -1,6 +1,7 @@
 """Printing a wall as an analysis: result, files, pictures, and what is noted."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from heliform.engines.glass.gcode import read_gcode
 from heliform.engines.glass.loft import Wall
 from heliform.engines.glass.machine import load_machine
 from heliform.engines.glass.presets import PRESETS
-from heliform.engines.glass.printing import Print, Printed, print_wall
+from heliform.engines.glass.printing import Print, Printed, gcode_notes, print_wall
 from heliform.engines.glass.toolpath import Spiral
 from heliform.engines.glass.unrolled import draw, marked, plan, unroll
 from PIL import Image
@@ -71,10 +72,49 @@ def test_a_wall_that_does_not_pass_says_so_everywhere(tmp_path):
 
 
 def test_what_a_reader_should_know_is_noted():
-    notes = printed(spiral=Spiral(layer_height=4.3e-3)).meta["notes"]
+    wall = replace(SMALL, bead=Bead(height=4.3e-3))
+    notes = printed(wall=wall).meta["notes"]
     assert any("Unconfirmed limits of Glass printer" in note for note in notes)
-    assert any("layers of 4.286 mm" in note for note in notes)
     assert any("melt runs on" in note for note in notes)
+    apart = next(note for note in notes if "4.286 mm high and not 4.3 mm" in note)
+    assert "make the wall 30.1 mm high" in apart
+    mended = printed(wall=replace(wall, height=30.1e-3)).meta["notes"]
+    assert not any("layers" in note for note in mended)
+
+
+def test_the_layers_are_the_walls():
+    result = printed(spiral=Spiral(layer_height=3e-3))
+    assert result.path.layer_height == pytest.approx(5e-3)
+    assert result.meta["parameters"]["spiral"]["layer_height"] == 5e-3
+    assert result.path.inputs == printed().path.inputs
+
+
+def test_the_gate_of_a_print_looks_at_its_purge():
+    wall = replace(SMALL, plan=Plan(radius=0.15))
+    assert "reach" not in {
+        one.name for one in printed(wall=wall, spiral=Spiral(purge=0.0)).verdict.failed
+    }
+    assert "reach" in {one.name for one in printed(wall=wall).verdict.failed}
+
+
+def test_gcode_says_what_the_outline_lost_and_what_does_not_pass(tmp_path):
+    wall = replace(TIGHT, plan=Plan(radius=0.05, period_1=9, amplitude_1=0.25))
+    result = printed(wall=wall)
+    assert result.loft_notes
+    assert result.verdict.failed
+    notes = gcode_notes(result.loft_notes, result.verdict)
+    assert notes[: len(result.loft_notes)] == list(result.loft_notes)
+    assert notes[-1] == f"DOES NOT PASS: {result.verdict.failed[-1].sentence}"
+    result.save(tmp_path)
+    head = (tmp_path / "wall.gcode").read_text().splitlines()[3 : 3 + len(notes)]
+    for note, line in zip(notes, head, strict=True):
+        assert line.startswith(f"; {note[:20]}")
+
+
+@pytest.mark.parametrize("thickness", [3e-3, 3.5e-3, 4e-3])
+def test_a_wall_thinner_than_its_ramps_has_pictures(thickness, tmp_path):
+    result = printed(wall=replace(SMALL, thickness=thickness))
+    assert "plan.png" in draw(result, tmp_path, Display())
 
 
 def test_pictures_are_drawn_with_a_mark(tmp_path):
@@ -109,11 +149,13 @@ def test_the_plan_shows_the_wall_at_its_width():
 
 def test_another_machine_is_a_name_or_a_file(tmp_path):
     small = Wall(
-        plan=Plan(radius=0.02), height=0.01, thickness=1e-3, faces=40_000, bead=Bead(style="flat")
+        plan=Plan(radius=0.02),
+        height=0.01,
+        thickness=1e-3,
+        faces=40_000,
+        bead=Bead(style="flat", height=5e-4),
     )
-    result = printed(
-        wall=small, spiral=Spiral(layer_height=4e-4, step=1e-3), machine="desktop-printer"
-    )
+    result = printed(wall=small, spiral=Spiral(step=1e-3), machine="desktop-printer")
     assert result.verdict.machine == "Desktop printer"
     with pytest.raises(FileError, match="no machine profile"):
         printed(machine=str(tmp_path / "none.toml"))
@@ -133,7 +175,15 @@ def test_bad_values_and_cancelling_end_it():
 def test_a_folder_without_a_result_is_told(tmp_path):
     with pytest.raises(FileError, match="holds no printed wall"):
         Printed.load(tmp_path)
-    (tmp_path / "gate.json").write_text("{}")
-    (tmp_path / "toolpath.npz").write_bytes(b"no archive")
-    with pytest.raises(FileError, match="holds no printed wall"):
-        Printed.load(tmp_path)
+    printed().save(tmp_path)
+    table = (tmp_path / "gate.json").read_text()
+    whole = (tmp_path / "toolpath.npz").read_bytes()
+    for content in (b"no archive", b"", b"PK\x03\x04 cut", whole[:-200]):
+        (tmp_path / "toolpath.npz").write_bytes(content)
+        with pytest.raises(FileError, match="holds no printed wall"):
+            Printed.load(tmp_path)
+    (tmp_path / "toolpath.npz").write_bytes(whole)
+    for content in ("{}", table[:100]):
+        (tmp_path / "gate.json").write_text(content)
+        with pytest.raises(FileError, match="holds no printed wall"):
+            Printed.load(tmp_path)

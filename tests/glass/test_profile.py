@@ -170,3 +170,9 @@ def test_ends_that_nearly_meet_are_made_to():
 def test_a_line_that_cannot_be_a_layer_is_said(line, reason):
     with pytest.raises(ParameterError, match=reason):
         profile_of(line, "“Bézier ä”")
+
+
+def test_a_path_may_be_text(tmp_path):
+    style = scalloped(5e-3, 1e-3)
+    style.save(str(tmp_path / "bead.npz"))
+    assert Style.load(str(tmp_path / "bead.npz")).digest == style.digest

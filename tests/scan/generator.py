@@ -63,6 +63,15 @@ class Truth:
         a = np.radians(self.piece.tilt)
         return self.pose @ [0.0, np.sin(a), np.cos(a)]
 
+    def figures(self):
+        """Layer height, depth and tilt in mm and degrees, at the mean radius of the outer face."""
+        a, piece = np.radians(self.piece.tilt), self.piece
+        relief = profile(piece, np.linspace(0, 1, 2000, endpoint=False))
+        share = piece.radius / (piece.radius + relief.mean()) if piece.radius else 1.0
+        wave = np.array([np.sin(a) * share, np.cos(a)]) / piece.period
+        tilt = np.degrees(np.arctan2(*wave)) if piece.radius else 0.0
+        return {"layer_height": 1 / np.hypot(*wave), "depth": piece.depth, "tilt": tilt}
+
     def phase(self, arc, z):
         a = np.radians(self.piece.tilt)
         return (z * np.cos(a) + arc * np.sin(a)) / self.piece.period + self.offset

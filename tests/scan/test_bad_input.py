@@ -6,7 +6,7 @@ import trimesh
 from heliform.engines.core.errors import Cancelled, FileError, HeliformError, SceneError
 from heliform.engines.core.scene import Scene
 from heliform.engines.scan import ScanReading, load_scan, read, read_scan
-from heliform.engines.scan.load import scan_of
+from heliform.engines.scan.load import SAMPLE, Sizes, scan_of
 from scan.generator import Piece, profile, scan
 
 SMALL = Piece(seed=1, points=50_000, broken=0, outliers=0, shells=0)
@@ -57,6 +57,7 @@ def test_the_unit_is_guessed_and_said(small, scale, unit):
     read_in = scan_of("s.ply", vertices * scale, faces)
     assert np.ptp(read_in.points, axis=0) == pytest.approx(np.ptp(vertices, axis=0) * 1e-3)
     assert any(f"taken as {unit}," in note for note in read_in.notes)
+    assert read_in.unit == unit
 
 
 def test_inches_taken_for_millimetres_are_named_with_the_likely_unit(small):
@@ -72,6 +73,17 @@ def test_millimetres_taken_for_metres_are_named_too(small):
     vertices, faces, _ = small
     with pytest.raises(SceneError, match=r"numbers are in m, .*unit = “mm”"):
         scan_of("mm.ply", vertices, faces, "m")
+
+
+def test_a_wall_of_two_metres_is_no_sample_but_may_be_a_piece(small):
+    vertices, faces, _ = small
+    wall = vertices * (2000 / np.linalg.norm(np.ptp(vertices, axis=0)))
+    with pytest.raises(SceneError, match=r"a sample has 15 mm to 1\.5 m") as error:
+        scan_of("wall.ply", wall, faces, "mm")
+    said(error)
+    found = scan_of("wall.ply", wall, faces, sizes=Sizes(0.015, 10.0, 2.0, "a piece"))
+    assert found.unit == "mm"
+    assert SAMPLE.largest == 1.5
 
 
 @pytest.mark.parametrize("suffix", ["ply", "obj", "stl"])

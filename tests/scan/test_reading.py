@@ -1,6 +1,8 @@
 """A reading as a result: what is saved loads back, what is drawn is there, and a study runs it."""
 
 import json
+import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ from heliform.engines.core.run import run_study
 from heliform.engines.core.scene import Scene
 from heliform.engines.glass.profile import Style
 from heliform.engines.scan import READ_SCAN, Reading, ScanReading, read_scan
+from heliform.engines.scan.drawing import summary
 from heliform.engines.scan.sample import sample_scan
 from PIL import Image
 
@@ -78,3 +81,23 @@ def test_the_shipped_study_runs_and_reports(tmp_path):
     assert result["figures"]["layer_height"]["value"] == pytest.approx(5e-3, rel=1e-3)
     assert "relief.npz" in files
     assert result["notes"]
+
+
+def test_each_faces_caption_has_its_own_figures(sample):
+    figures = {name: figure["value"] for name, figure in sample.figures().items()}
+    inner = summary(sample, "inner")
+    assert f"{1e3 * figures['depth_inner']:.3g} mm deep" in inner
+    assert f"roughness {1e6 * figures['roughness_inner']:.0f} µm RMS" in inner
+    assert f"{1e3 * figures['depth']:.3g} mm deep" in summary(sample)
+
+
+def test_no_figure_is_a_negative_nothing(sample):
+    figures = sample.figures() | {"tilt": {"value": -1e-4, "unit": "deg"}}
+    level = replace(sample, meta=sample.meta | {"figures": figures})
+    assert "tilted 0.00°" in summary(level)
+
+
+def test_the_distance_to_the_patch_needs_no_meshlab(monkeypatch, sample):
+    monkeypatch.setitem(sys.modules, "pymeshlab", None)
+    again = read_scan(Scene(), ScanReading(repair=False), seed=3)
+    assert again.figures()["scan_to_patch"] == sample.figures()["scan_to_patch"]

@@ -59,7 +59,7 @@ def test_points_out_of_reach_have_no_face(wall):
     np.testing.assert_array_equal(feet.distance, 5e-3)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_pose_from_anywhere_is_found(wall, seed):
     """0.05 mm of noise, 30 % missing, 5 % strays, the outside alone and without normals."""
     sample, pose = scanned(PIECE, seed=seed)
@@ -121,8 +121,7 @@ def test_poses_that_look_alike_are_said_and_the_least_turned_is_taken():
     assert shift < 5e-5
     assert np.degrees(turn) < 0.05
     (note,) = found.notes
-    assert "turned by 120°" in note
-    assert "turned by 240°" in note
+    assert "turned by any multiple of 120°" in note
     assert "upside down" not in note
 
 
@@ -160,9 +159,10 @@ def test_by_hand_the_pose_is_looked_for_near_by_only(wall):
         register(sample, wall, start=np.eye(4) + np.diag([1.0, 1.0], 2) * 9)
 
 
-def test_the_same_seed_gives_the_same_pose(wall):
-    sample, _ = scanned(PIECE, seed=1)
-    one, other = (register(sample, wall, pitch=PIECE.layer, seed=7) for _ in range(2))
+def test_the_same_seed_gives_the_same_pose():
+    sample, _ = scanned(SLIM, seed=1)
+    slim = design(SLIM)
+    one, other = (register(sample, slim, pitch=SLIM.layer, seed=7) for _ in range(2))
     np.testing.assert_array_equal(one.matrix, other.matrix)
     np.testing.assert_array_equal(one.covariance, other.covariance)
 

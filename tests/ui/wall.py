@@ -3,7 +3,7 @@
     blender --enable-event-simulate --window-geometry 0 0 1600 1000 \\
         --python tests/ui/wall.py -- DIR
 
-The wall, the gate and the path are clicks on their buttons; the rest is called as from the window.
+The wall is a click on its button; the rest is called as from the window.
 """
 
 import importlib
@@ -18,10 +18,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 import window
 
-WALL = (1125, 872)
+WALL = (1080, 872)
 """Where the button is in a window of 1600 × 1000, from its lower left."""
-GATE, PATH = (1105, 369), (1220, 369)
-"""Where these are once the sidebar of a new wall is scrolled to its end."""
 
 
 def press(place: tuple[int, int], happened: Callable[[], object]) -> Generator[float]:
@@ -81,7 +79,7 @@ def exported() -> None:
     text = file.read_text(encoding="utf-8")
     found = gcode.read_gcode(text).points(machine.load_machine())
     assert np.abs(found - nozzle()).max() < 1e-6
-    verdict = json.loads(file.with_suffix(".json").read_text(encoding="utf-8"))
+    verdict = json.loads(file.with_suffix(".gate.json").read_text(encoding="utf-8"))
     assert verdict["passed"]
     print(f"G-code: {len(text.splitlines())} lines, {len(found)} points", flush=True)
 
@@ -99,10 +97,10 @@ def steps() -> Generator[float]:
     assert len(wall().evaluated_get(bpy.context.evaluated_depsgraph_get()).data.polygons) > 250_000
     yield from scroll(60)
     window.picture("wall below")
-    yield from press(GATE, lambda: wall().heliform.gate)
+    window.call(bpy.ops.heliform.check_print, "EXEC_DEFAULT", True)
     yield 2.0
     window.picture("gate")
-    yield from press(PATH, lambda: wall().heliform.path)
+    window.call(bpy.ops.heliform.preview_path, "EXEC_DEFAULT", True)
     yield 2.0
     yield from scroll(60)
     window.picture("path")
