@@ -47,6 +47,8 @@ def _show_print(group: Any, context: bpy.types.Context) -> None:
     printing.refresh(group.id_data, context.scene)
     if group.gate:
         layers.show_in_views(context)
+    else:
+        layers.restore_views(context)
 
 
 def _reprint(group: Any, context: bpy.types.Context) -> None:

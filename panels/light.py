@@ -17,6 +17,8 @@ from .scene import draw_progress, draw_sentence
 
 _HANDLED = {"until", "error", "landed", "seconds", "keep_sums"}
 """Fields that the Light panel itself shows, and one that is always on here."""
+_OTHERS = {"Read Scan", "Choose Scan", "Compare Print"}
+"""Jobs of another room, whose panel says how they went."""
 _STOP_OF = {"error": "error", "landed": "landed", "time": "seconds"}
 _FLUX = (
     ("emitted", "Lamps"),
@@ -50,7 +52,8 @@ class HELIFORM_PT_light(Room, Panel):
             row.operator("heliform.trace_photons", icon="LIGHT_SUN")
         if not runtime.choose().backend:
             draw_sentence(layout, f"Tracing is off: {runtime.choose().reason}.")
-        draw_sentence(layout, jobs.state.message)
+        if jobs.state.label not in _OTHERS:
+            draw_sentence(layout, jobs.state.message)
 
 
 class HELIFORM_PT_light_more(Room, Panel):

@@ -16,7 +16,12 @@ FLOORS = ("panels", "operators", "addon", "engines")
 """Imports run down these, never up."""
 
 ROOMS = ("glass", "scan", "light", "sun", "structure", "explore", "caustics")
-MAY_USE = {"scan": {"glass"}, "light": {"sun"}, "caustics": {"glass", "light"}, "explore": set(ROOMS)}
+MAY_USE = {
+    "scan": {"glass"},
+    "light": {"sun"},
+    "caustics": {"glass", "light"},
+    "explore": set(ROOMS),
+}
 """Which rooms a room may import; none where it is not named."""
 
 

@@ -91,9 +91,9 @@ def skin_to_blender(skin: Skin, block: bpy.types.Mesh, scale: float = 1.0) -> No
     """Let a mesh carry a wall's skin, for the modifier to use. Its vertices must be the wall's."""
     angle = 2 * np.pi * skin.turn
     circle = np.column_stack([np.cos(angle), np.sin(angle)]) * (skin.girth / (2 * np.pi * scale))
-    _write(block, layout.NORMAL, np.pad(skin.normal, ((0, 0), (0, 1))))
+    _write(block, layout.NORMAL, np.column_stack([skin.normal, np.zeros(len(angle))]))
     _write(block, layout.SIDE, skin.side)
-    _write(block, layout.TURN, np.pad(circle, ((0, 0), (0, 1))))
+    _write(block, layout.TURN, np.column_stack([circle, np.zeros(len(angle))]))
 
 
 def skin_from_blender(block: bpy.types.Mesh, scale: float = 1.0) -> Skin:
@@ -139,7 +139,8 @@ def _values(style: Style, scale: float) -> Vector:
         head[[layout.HIGH, layout.WIDE]] = heights.shape
         head[layout.TEXTURE] = len(head) + 2 * len(place)
         head[[layout.LONG, layout.TALL]] = style.texture.size / scale
-        parts.append(np.pad(heights, ((0, 1), (0, 1)), mode="wrap").ravel())
+        high, wide = (np.arange(n + 1) % n for n in heights.shape)
+        parts.append(heights[np.ix_(high, wide)].ravel())
     return np.concatenate(parts)
 
 
