@@ -99,6 +99,8 @@ def _draw_check(box: UILayout, check: dict[str, Any], shown: bool) -> None:
         split.label(text="Yes")
     else:
         sign = "≥" if check["least"] else "≤"
+        if not check["passed"]:
+            sign = "<" if check["least"] else ">"
         doubt = "" if check["confirmed"] else " ?"
         limit = f"{check['limit']:.3g} {check['unit']}"
         split.label(text=f"{check['worst']:.3g} {sign} {limit}{doubt}")

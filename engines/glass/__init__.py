@@ -2,7 +2,7 @@
 
 from ..core.analysis import Analysis, Form
 from . import library_pictures, unrolled
-from .bead import Bead, relief
+from .bead import Bead
 from .candidates import PrintLibrary
 from .fourier import Plan
 from .library import Library, print_library
@@ -42,7 +42,6 @@ __all__ = [
     "glass_object",
     "print_library",
     "print_wall",
-    "relief",
     "wall_loft",
     "wall_mesh",
     "wall_skin",

@@ -45,19 +45,19 @@ _SAID = {
 """What each check measures, in which unit it is told, and the remedy."""
 
 _LABELS = {
-    "closure": "First turn closes",
-    "rising": "Never goes down",
+    "closure": "Closed start",
+    "rising": "Never down",
     "travel": "No idle move",
     "curvature": "Turning radius",
-    "rotary_rate": "Bed's turning",
-    "rotary_acceleration": "Bed's speeding up",
-    "turn_time_min": "Time a turn, least",
-    "turn_time_max": "Time a turn, most",
-    "overlap": "Lies on turn below",
+    "rotary_rate": "Bed turning",
+    "rotary_acceleration": "Bed speed-up",
+    "turn_time_min": "Quickest turn",
+    "turn_time_max": "Slowest turn",
+    "overlap": "Bead overlap",
     "room": "Room in a turn",
-    "room_between": "Room between turns",
+    "room_between": "Room to turns",
     "reach": "Reach",
-    "bed": "Space on the bed",
+    "bed": "Bed space",
     "width": "Bead width",
 }
 """Names where a check's own word says too little."""

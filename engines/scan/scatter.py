@@ -77,6 +77,8 @@ def blunted(profile: Vector, period: float, waves: float, noise: float) -> float
     A profile of so many ``waves``, either way, is blurred as if by a Gaussian, and ``noise`` m,
     along the surface's normal, shifts points of a slope sideways: either fills an edge by
     0.8 · slope · width, and a rounded valley by less, the less sharp it is beside that.
+    An estimate, within a third either way; it falls short where the noise is above a tenth of the
+    depth.
     """
     count = len(profile)
     spline = CubicSpline(np.arange(count + 1), np.append(profile, profile[0]), bc_type="periodic")

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from heliform.engines.glass import Bead, relief
-from heliform.engines.glass.bead import arc_radius
+from heliform.engines.glass import Bead
+from heliform.engines.glass.bead import arc_radius, relief
 from heliform.engines.glass.wall import levels
 
 

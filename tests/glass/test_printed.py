@@ -16,12 +16,12 @@ from heliform.engines.glass import (
     Plan,
     Wall,
     glass_object,
-    relief,
     wall_loft,
     wall_mesh,
     wall_skin,
 )
 from heliform.engines.glass.base import base_curve
+from heliform.engines.glass.bead import relief
 from scipy.integrate import quad
 
 FLAT = Bead(style="flat")
