@@ -19,7 +19,7 @@ from .design import Design, design_of
 from .deviation import picture_of, spread
 from .found import Found, LayerTable, Sides, grown, layers_of
 from .judge import Registration
-from .load import METRES, Scan, load_scan
+from .load import METRES, Scan, Sizes, Unit, load_scan
 from .printed_figures import Measured, figures_of, remarks
 from .printed_result import AsPrinted
 from .register import register
@@ -56,7 +56,7 @@ class Comparison:
     """How a scan of a finished piece is compared with its design."""
 
     file: str = param("", help="PLY, OBJ or STL of the scanned piece")
-    unit: Literal["guess", "mm", "cm", "m", "inch"] = param(
+    unit: Unit = param(  # noqa: RUF009
         "guess", help="Unit of the file's numbers; “guess” goes by the size of the design"
     )
     body: str = param("", help="Name of the design among the bodies; empty where there is one")
@@ -88,7 +88,9 @@ def compare(
     body = _body(scene, record)
     if not record.file:
         raise SceneError("There is no scan to compare with; choose a PLY, OBJ or STL file.")
-    scan = load_scan(Path(record.file), record.unit)
+    size = float(np.ptp(body.mesh.vertices, axis=0).max()) if len(body.mesh.vertices) else 0.1
+    sizes = Sizes(min(0.015, size / 10), max(1.5, 3 * size), size, "a piece of this size")
+    scan = load_scan(Path(record.file), record.unit, sizes=sizes)
     return compared(scan, body, record, seed=seed, progress=part(progress, 0.1, 1.0))
 
 
@@ -169,7 +171,7 @@ def _sized(scan: Scan, design: Design, unit: str) -> tuple[Vector, list[str]]:
     ratio = lever_of(scan.points) / design.size
     if 1 / _ALIKE < ratio < _ALIKE:
         return scan.points, notes
-    taken = list(METRES) if unit == "guess" else [unit]
+    taken = [scan.unit] if scan.unit else list(METRES)
     options = [(METRES[name] / METRES[one], name) for one in taken for name in METRES]
     factor, right = min(options, key=lambda option: abs(np.log(ratio * option[0])))
     fits = abs(np.log(ratio * factor)) < np.log(_FITS)
