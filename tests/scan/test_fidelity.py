@@ -11,6 +11,7 @@ from scipy.signal.windows import hann
 
 POINTS = 300_000
 SEEDS = (1, 2, 3)
+PIECES = (1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in SEEDS[1:]))
 TILTS = {1: 0.5, 2: -5.0, 3: 3.3}
 
 
@@ -47,14 +48,14 @@ def _rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", PIECES)
 def test_the_folded_profile_is_the_bead(seed):
     reading, truth = scanned(seed)
     assert _rms(_profile_error(reading, truth)) < 0.006  # asked: 0.02
     assert reading.style.depth * 1e3 == pytest.approx(0.933, abs=0.015)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", PIECES)
 def test_layer_height_and_direction_are_found(seed):
     reading, truth = scanned(seed)
     figures = reading.figures()
@@ -68,7 +69,7 @@ def test_layer_height_and_direction_are_found(seed):
     assert np.degrees(np.linalg.norm(across)) < 0.1
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", PIECES)
 def test_the_patch_is_the_face_and_faces_as_it_does(seed):
     reading, truth = scanned(seed)
     for side, face in enumerate(reading.faces):
@@ -97,7 +98,7 @@ def _periodogram(grid: np.ndarray, cell: float, octaves) -> np.ndarray:
     return np.sqrt([power[(k >= 1 / hi) & (k < 1 / lo)].sum() for lo, hi in octaves])
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", PIECES)
 def test_roughness_is_that_of_the_true_surface_where_it_stands_above_the_noise(seed):
     reading, truth = scanned(seed)
     compared = 0
@@ -127,6 +128,7 @@ def test_roughness_is_that_of_the_true_surface_where_it_stands_above_the_noise(s
     assert compared >= 2
 
 
+@pytest.mark.slow
 def test_roughness_of_many_pieces_is_that_of_the_written_spectrum():
     """A single piece holds few long waves; over all of them the mean power must be the law's."""
     ratios: dict[tuple[float, float], list[float]] = {}
@@ -143,7 +145,7 @@ def test_roughness_of_many_pieces_is_that_of_the_written_spectrum():
         assert abs(10 * np.log10(np.mean(values))) < 1.0
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", PIECES)
 def test_the_texture_has_the_spectrum_that_was_measured(seed):
     reading, _ = scanned(seed)
     texture, face = reading.style.texture, reading.faces[0]
@@ -226,6 +228,7 @@ def test_a_flat_piece_has_layers_too():
     assert "radius" not in reading.figures()
 
 
+@pytest.mark.slow
 def test_most_of_a_turn_is_read_as_well_as_a_piece_of_it():
     whole = Piece(seed=8, points=POINTS, radius=40.0, arc=200.0, missing=0.0, tilt=1.14)
     reading, truth = _read(whole)
@@ -243,6 +246,7 @@ def test_a_cloud_of_points_is_read_like_a_mesh():
     assert any("cloud of points" in note for note in reading.meta["notes"])
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_reading():
     small = Piece(seed=4, points=60_000)
     first, _ = _read(small)
@@ -251,7 +255,7 @@ def test_the_same_seed_gives_the_same_reading():
     assert first.figures() == second.figures()
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 2, 3))])
 @pytest.mark.parametrize(
     "kind",
     [
