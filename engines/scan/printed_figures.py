@@ -87,13 +87,14 @@ def _of_layers(measured: Measured) -> Table:
     if found is None or meant is None:
         return {}
     heights = found.layers.height[np.isfinite(found.layers.height)]
+    alike = found.rhythmic == meant.rhythmic  # else one is from crest to crest, and one a mean
     table: Table = {
         "layers": (len(heights), "", None),
         "layer_height": (found.pitch, "m", _TO_95 * found.pitch_error),
         "layer_height_spread": (_spread(heights), "m", None),
         "layer_height_design": (meant.pitch, "m", None),
         "bead_depth": (found.depth if found.rhythmic else np.nan, "m", None),
-        "wall_width": (found.width, "m", _TO_95 * found.width_error),
+        "wall_width": (found.width if alike else np.nan, "m", _TO_95 * found.width_error),
         "wall_width_design": (meant.width, "m", None),
         "shrinkage_height": (
             *(1 - found.pitch / meant.pitch, ""),
@@ -132,7 +133,7 @@ def remarks(measured: Measured, near: float) -> list[str]:
     elif not found.rhythmic:
         notes.append(
             "The scan shows no layers: no rhythm explains a tenth of its relief, so layer heights "
-            "are not given."
+            "are not given, nor is the wall's width where the design has layers."
         )
     if found is not None and not np.isfinite(found.width):
         notes.append("The width of the wall was not measured: only one side of it was scanned.")
