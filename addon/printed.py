@@ -15,7 +15,7 @@ from ..engines.glass.toolpath import Spiral
 from ..engines.scan.to_wall import ScannedWall
 from . import objects
 from .bridge import scan
-from .bridge.print_layers import add_modifier
+from .bridge.print_layers import add_modifier, relief_of_wall
 from .bridge.walls import WALL, wall_of
 from .printing import machine_named
 from .properties import read, scale_of, write
@@ -46,8 +46,7 @@ def _stage_print(
     """The wall of a print, with the relief of its beads."""
     record = from_table(Print, result.meta["parameters"], "parameters")
     bead = record.wall.bead
-    relief = Relief(height=bead.height, amplitude=bead.depth, spiral=False)
-    _add(scene, record, relief, scalloped(bead.height, bead.sag))
+    _add(scene, record, relief_of_wall(record.wall), scalloped(bead.height, bead.sag))
     return False
 
 

@@ -39,7 +39,7 @@ class HELIFORM_OT_check_print(_OnWall, Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def act(self, context: Context) -> str:
-        """Check it. Raises SceneError with the first sentence of what it fails."""
+        """Check it; warns of the first limit that it fails. Raises HeliformError as `print_of`."""
         obj = context.object
         shown = printing.print_of(obj, context)  # before anything changes
         obj.heliform.gate = True

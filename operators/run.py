@@ -8,9 +8,10 @@ from bpy.props import StringProperty
 from bpy.types import Context, Event, Operator
 
 from ..addon import jobs
-from ..addon.bridge import light, results, studies
+from ..addon.bridge import results, studies
+from ..addon.rooms import staging_of
 from ..engines.core import runtime
-from ..engines.core.analysis import Analysis
+from ..engines.core.analysis import Analysis, find_analysis
 from ..engines.core.errors import Cancelled, FileError, HeliformError
 from ..engines.core.files import safe_name
 from ..engines.core.study import load_study
@@ -108,6 +109,7 @@ class HELIFORM_OT_export_study(Reporting, Operator):
     bl_label = "Export Study"
     bl_options = set()
 
+    analysis: StringProperty(default=TRACE_PHOTONS.name, options={"HIDDEN", "SKIP_SAVE"})
     directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN"})
     filter_folder: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
 
@@ -122,8 +124,11 @@ class HELIFORM_OT_export_study(Reporting, Operator):
         folder = named_folder(self.directory) / f"{name} study"
         if folder.exists():
             raise FileError(f"“{folder}” is there already; choose another place, or delete it.")
-        given = light.STAGING.gather(context, TRACE_PHOTONS)
-        path = jobs.export(context.scene, given, TRACE_PHOTONS, folder)
+        analysis = find_analysis(self.analysis, self.bl_label)
+        staging = staging_of(analysis)
+        assert staging, f"{analysis.name} has no staging"
+        given = staging.gather(context, analysis)
+        path = jobs.export(context.scene, given, analysis, folder)
         return " ".join([f"The study is “{path}”.", *given.notes])
 
 
@@ -173,10 +178,16 @@ class HELIFORM_OT_open_report(Reporting, Operator):
 
     def act(self, context: Context) -> None:
         """Open it. Raises FileError where the folder is gone."""
-        report = Path(results.meta_of(context.scene.heliform.shown)["folder"], "report.html")
-        if not report.is_file():
-            raise FileError(f"There is no report “{report}” any more; trace photons again.")
-        bpy.ops.wm.url_open(url=report.as_uri())
+        folder = results.meta_of(context.scene.heliform.shown)["folder"]
+        open_report(folder, "trace photons again")
+
+
+def open_report(folder: str, remedy: str) -> None:
+    """Open the report in a result's folder. Raises FileError, with the remedy, where it is gone."""
+    report = Path(folder, "report.html")
+    if not report.is_file():
+        raise FileError(f"There is no report “{report}” any more; {remedy}.")
+    bpy.ops.wm.url_open(url=report.as_uri())
 
 
 register, unregister = bpy.utils.register_classes_factory(

@@ -1,18 +1,15 @@
 """Scans: reading a sample, and putting its relief on walls."""
 
-from pathlib import Path
-
 import bpy
 from bpy.props import StringProperty
 from bpy.types import Context, Event, Operator
 
 from ..addon.bridge import as_printed, scan
 from ..addon.bridge.print_layers import style_of
-from ..engines.core.errors import FileError
 from ..engines.scan import COMPARE_PRINT, READ_SCAN
 from . import Reporting
 from .relief import OnMeshes, chosen, put_on
-from .run import RunAnalysis
+from .run import RunAnalysis, open_report
 
 
 class HELIFORM_OT_read_scan(RunAnalysis, Operator):
@@ -83,7 +80,7 @@ class HELIFORM_OT_open_scan_report(Reporting, Operator):
         """Open it. Raises FileError where the folder is gone."""
         facts = scan.facts_of(context.scene.heliform.relief)
         assert facts
-        _open(Path(facts["folder"], "report.html"), "read the scan again")
+        open_report(facts["folder"], "read the scan again")
 
 
 class HELIFORM_OT_compare_print(RunAnalysis, Operator):
@@ -123,13 +120,7 @@ class HELIFORM_OT_open_comparison(Reporting, Operator):
         """Open it. Raises FileError where the folder is gone."""
         facts = as_printed.facts_of(context.object)
         assert facts
-        _open(Path(facts["folder"], "report.html"), "compare the print again")
-
-
-def _open(report: Path, remedy: str) -> None:
-    if not report.is_file():
-        raise FileError(f"There is no report “{report}” any more; {remedy}.")
-    bpy.ops.wm.url_open(url=report.as_uri())
+        open_report(facts["folder"], "compare the print again")
 
 
 register, unregister = bpy.utils.register_classes_factory(

@@ -10,6 +10,7 @@ from ..addon import printing
 from ..addon.bridge.paths import facts_of, path_of
 from ..addon.objects import WALL
 from ..addon.properties import draw
+from ..engines.glass import PRINT_WALL
 from ..engines.glass.checks import GEOMETRY
 from ..engines.glass.machine import FILE
 from ..engines.glass.toolpath import Spiral
@@ -69,6 +70,8 @@ class HELIFORM_PT_spiral(Room, Panel):
         hidden = {"layer_height"} | ({"speed"} if group.pace != "speed" else set())
         draw(layout, group, Spiral, hidden)
         layout.operator("heliform.export_coupon", icon="MOD_THICKNESS")
+        study = layout.operator("heliform.export_study", text="Export as Study", icon="EXPORT")
+        study.analysis = PRINT_WALL.name
 
 
 def _draw_verdict(layout: UILayout, verdict: dict[str, Any], shown: str) -> None:

@@ -12,6 +12,7 @@ from heliform.addon.bridge.paths import path_of
 from heliform.addon.bridge.studies import stage_study
 from heliform.engines.core.colour import ColourScale
 from heliform.engines.core.run import run_study
+from heliform.engines.core.study import load_study
 from heliform.engines.glass.gcode import read_gcode
 from heliform.engines.glass.machine import DATA, FILE, load_machine
 
@@ -236,3 +237,14 @@ def test_the_path_leaves_another_layer_alone(wall):
     layers.paint(wall, np.zeros(len(wall.data.vertices)), layers.Layer("Deviation", scale))
     wall.heliform.path = True
     assert layers.layer_of(wall).quantity == "Deviation"
+
+
+def test_a_print_is_exported_as_a_study_that_says_the_same(wall, tmp_path):
+    where = {"directory": str(tmp_path), "analysis": "glass.print"}
+    assert bpy.ops.heliform.export_study(**where) == {"FINISHED"}
+    (folder,) = tmp_path.iterdir()
+    (case,) = load_study(folder / "study.toml").cases
+    result = case.analysis.run(case.scene, case.parameters, seed=0, progress=lambda *_: None)
+    shown = printing.print_of(wall, bpy.context)
+    assert result.verdict.inputs == shown.verdict.inputs
+    np.testing.assert_allclose(result.path.points, shown.path.points, atol=1e-9)
