@@ -23,7 +23,7 @@ from ..engines.core.colour import Display
 from ..engines.core.errors import Cancelled, HeliformError, SceneError, WorkerDied
 from ..engines.core.export import save_study
 from ..engines.core.files import safe_name
-from .bridge.stage import show_in_views
+from .bridge.shading import show_in_views
 from .preferences import results_folder
 from .properties import read
 from .rooms import staging_of

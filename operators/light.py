@@ -7,7 +7,7 @@ import bpy
 from bpy.props import StringProperty
 from bpy.types import Context, Operator
 
-from ..addon.bridge import results, sections, showing, stage
+from ..addon.bridge import results, sections, shading, showing
 from ..addon.bridge.receivers import values_to_vertices
 from ..addon.properties import read, scale_of
 from ..engines import light
@@ -91,7 +91,7 @@ class HELIFORM_OT_show_result(_OnResult, Operator):
         if not found:
             raise SceneError(f"There is no result “{self.name}” in this scene any more.")
         context.scene.heliform.shown = found[0]
-        stage.bring_forward(results.owner_of(found[0]), results.side_of(found[0]))
+        shading.bring_forward(results.owner_of(found[0]), results.side_of(found[0]))
 
 
 class HELIFORM_OT_values_to_vertices(_OnResult, Operator):

@@ -10,7 +10,7 @@ from ...engines.core.errors import SceneError
 from ...engines.light import Irradiance
 from ..properties import parameters, read
 from ..staging import Gathered, Objects, Staging
-from . import results, stage
+from . import results, shading, stage
 from .read import read_scene
 from .receivers import unwrap_receivers
 
@@ -46,7 +46,7 @@ def _stage(
     pictures = stage.stage_irradiance(scene, objects, result, display)
     chosen = _foremost(scene, pictures)
     scene.heliform.shown = chosen
-    stage.bring_forward(results.owner_of(chosen), results.side_of(chosen))
+    shading.bring_forward(results.owner_of(chosen), results.side_of(chosen))
     return first
 
 

@@ -19,7 +19,7 @@ from .. import objects
 from ..properties import group_name, scale_of, write
 from ..rooms import staging_of
 from .meshes import to_blender
-from .stage import show_in_views
+from .shading import show_in_views
 
 SHIPPED = Path(__file__).resolve().parents[2] / "studies"
 """The studies that come with Heliform."""

@@ -1,0 +1,1 @@
+"""Space frames: gridshells and façades, analysed, checked and sized member by member."""
