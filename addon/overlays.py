@@ -4,7 +4,7 @@ Everything comes from what lies with the picture or the layer; nothing is comput
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
@@ -43,11 +43,12 @@ _MARK = (1.0, 0.36, 0.2, 1.0)
 
 @dataclass(frozen=True, slots=True)
 class _Legend:
-    """A card's lines, and the scale between them unless colours are the light's own."""
+    """A card's lines, and between them a scale, swatches, or nothing for the light's own colour."""
 
     heading: list[str]
     scale: ColourScale | None
     footing: list[str]
+    swatches: list[tuple[str, tuple[int, int, int]]] = field(default_factory=list)
 
 
 def draw(context: bpy.types.Context) -> None:
@@ -61,8 +62,9 @@ def draw(context: bpy.types.Context) -> None:
     layer = layers.layer_of(context.object)
     if layer:
         _draw_marks(context, layer, unit)
-        heading = [layer.quantity, f"{context.object.name}, {layer.scale.unit or 'ratio'}"]
-        _draw_legend(_Legend(heading, layer.scale, layer.footing), room, unit)
+        said = f", {layer.scale.unit or 'ratio'}" if layer.scale else ""
+        heading = [layer.quantity, f"{context.object.name}{said}"]
+        _draw_legend(_Legend(heading, layer.scale, layer.footing, layer.swatches), room, unit)
     elif results.is_result(settings.shown):
         _draw_result(settings.shown, room, unit)
 
@@ -96,15 +98,17 @@ def _draw_legend(legend: _Legend, room: Box, unit: float) -> Box:
     """A card at the right, below the view's own gizmos; returns where it lies."""
     heading, scale, footing = legend.heading, legend.scale, legend.footing
     line, pad, bar_width = 17 * unit, 10 * unit, 16 * unit
-    bar_height = min(240 * unit, room.height - (len(heading) + len(footing) + 2) * line - 2 * pad)
+    count = len(heading) + len(footing) + len(legend.swatches)
+    bar_height = min(240 * unit, room.height - (count + 2) * line - 2 * pad)
     if bar_height < 40 * unit:
         return Box(room.right, room.bottom, room.right, room.bottom)
     if scale is None:
         bar_height = 0.0
     ticks = scale.ticks(8 if bar_height > 150 * unit else 4) if scale else []
-    texts = [*heading, *footing]
+    plain = len(heading) + len(footing)
+    texts = [*heading, *footing, *(label for label, _ in legend.swatches)]
     width = max(
-        *(width_of(text, unit) for text in texts),
+        *(width_of(text, unit) + 19 * unit * (index >= plain) for index, text in enumerate(texts)),
         bar_width + 12 * unit + max((width_of(text, unit) for _, text in ticks), default=0.0),
     )
     height = bar_height + (len(texts) + 1.2) * line + pad
@@ -131,6 +135,12 @@ def _draw_legend(legend: _Legend, room: Box, unit: float) -> Box:
         lines([(bar.right, y), (bar.right + 4 * unit, y)], QUIET, unit)
         write(text, bar.right + 9 * unit, y - 4 * unit, unit, INK)
     y = bar.bottom - line / 2
+    for label, colour in legend.swatches:
+        y -= line
+        red, green, blue = (value / 255 for value in colour)
+        square = Box(bar.left, y, bar.left + 12 * unit, y + 12 * unit)
+        rectangle(square, (red, green, blue, 1.0))
+        write(label, square.right + 7 * unit, y + 2 * unit, unit, INK, width)
     for text in footing:
         y -= line
         write(text, card.left + pad, y + 2 * unit, unit, QUIET)

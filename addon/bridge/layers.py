@@ -1,23 +1,25 @@
-"""Layers: values on the vertices of an object, in false colour, with a legend and marked places.
+"""Layers: values on an object in false colour, with a legend and marked places.
 
-The values lie in a float attribute and their colours in a colour attribute of the base mesh, which
-modifiers carry along; what the legend says lies with the mesh. Solid shading shows the colours with
-Color › Attribute.
+Values on vertices lie in a float attribute and their colours in a colour attribute of the base
+mesh, which modifiers carry along; Solid shading shows them with Color › Attribute. Values in texels
+lie in images, which it shows with Color › Texture. What the legend says lies with the mesh.
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ...engines.core.colour import ColourScale
 from ...engines.core.scene import Vector
+from . import results, shading
 
 VALUES, COLOURS = "Heliform values", "Heliform colours"
 _LAYER, _VIEWS = "heliform_layer", "heliform_views"
-_LOOK = ["VERTEX", "STUDIO"]
+ON_VERTICES, IN_TEXELS = ["VERTEX", "STUDIO"], ["TEXTURE", "STUDIO"]
 """The colours and the light of Solid shading that show a layer."""
 
 
@@ -31,12 +33,17 @@ class Mark:
 
 @dataclass(frozen=True, slots=True)
 class Layer:
-    """What a layer's legend says, and the places that are pointed out."""
+    """What a layer's legend says, and the places that are pointed out.
+
+    Without a ``scale`` the ``swatches`` are the legend: names with the sRGB colours, 0..255, that
+    stand for them; with one they are what lies outside it, such as what fails.
+    """
 
     quantity: str
-    scale: ColourScale
+    scale: ColourScale | None
     footing: list[str] = field(default_factory=list)
     marks: list[Mark] = field(default_factory=list)
+    swatches: list[tuple[str, tuple[int, int, int]]] = field(default_factory=list)
 
 
 def paint(obj: bpy.types.Object, values: Vector, layer: Layer) -> None:
@@ -44,6 +51,7 @@ def paint(obj: bpy.types.Object, values: Vector, layer: Layer) -> None:
 
     A mesh that others share becomes the object's own.
     """
+    assert layer.scale
     if obj.data.users > 1:
         obj.data = obj.data.copy()
     block = obj.data
@@ -53,8 +61,32 @@ def paint(obj: bpy.types.Object, values: Vector, layer: Layer) -> None:
     colours[:, :3] = layer.scale.colours(values) / 255
     _attribute(block, COLOURS, "BYTE_COLOR").data.foreach_set("color_srgb", colours.ravel())
     block.color_attributes.active_color = block.color_attributes[COLOURS]
-    block[_LAYER] = json.dumps(asdict(layer))
+    note(obj, layer)
     block.update()
+
+
+def paint_texels(
+    obj: bpy.types.Object,
+    quantity: str,
+    values: Mapping[str, NDArray[np.floating]],
+    colours: NDArray[np.floating],
+    layer: Layer,
+) -> None:
+    """Give the object a layer of ``colours`` (rows, columns, 3) in 0..1, where its UV map has it.
+
+    ``values`` (rows, columns, 3) are float images, by name, that are kept beside the picture.
+    """
+    for kind, kept in values.items():
+        results.fill(results.image_for(obj, kind, "", kept.shape[:2]), kept)
+    results.fill(results.image_for(obj, results.PICTURE, "", colours.shape[:2]), colours)
+    results.drop_others(obj, {(kind, "") for kind in (*values, results.PICTURE)})
+    shading.show_pictures(obj, quantity, tuple(values))
+    note(obj, layer)
+
+
+def note(obj: bpy.types.Object, layer: Layer) -> None:
+    """Keep what the legend says."""
+    obj.data[_LAYER] = json.dumps(asdict(layer))
 
 
 def layer_of(obj: bpy.types.Object | None) -> Layer | None:
@@ -62,9 +94,12 @@ def layer_of(obj: bpy.types.Object | None) -> Layer | None:
     if obj is None or obj.type != "MESH" or _LAYER not in obj.data:
         return None
     kept = json.loads(obj.data[_LAYER])
-    scale = ColourScale(**kept.pop("scale"))
+    scale = kept.pop("scale")
     marks = [Mark(tuple(mark["place"]), mark["label"]) for mark in kept.pop("marks")]
-    return Layer(scale=scale, marks=marks, **kept)
+    swatches = [(label, tuple(colour)) for label, colour in kept.pop("swatches", [])]
+    return Layer(
+        scale=ColourScale(**scale) if scale else None, marks=marks, swatches=swatches, **kept
+    )
 
 
 def clear(objects: Sequence[bpy.types.Object]) -> None:
@@ -73,22 +108,25 @@ def clear(objects: Sequence[bpy.types.Object]) -> None:
         if obj.type != "MESH" or _LAYER not in obj.data:
             continue
         del obj.data[_LAYER]
+        shading.hide_pictures(obj)
+        results.drop_others(obj, set())
         for name in (VALUES, COLOURS):
             if (stored := obj.data.attributes.get(name)) is not None:
                 obj.data.attributes.remove(stored)
 
 
-def show_in_views(context: bpy.types.Context) -> None:
+def show_in_views(context: bpy.types.Context, look: list[str] = ON_VERTICES) -> None:
     """Have the 3D views in Solid shading show layers; what they showed is kept with their screen.
 
-    `restore_views` brings that back.
+    ``look`` says which layers. `restore_views` brings back what was shown before.
     """
     for screen in {window.screen for window in context.window_manager.windows}:
         kept = json.loads(screen.get(_VIEWS, "{}"))
-        for index, shading in _shadings(screen):
-            if shading.type == "SOLID" and _look(shading) != _LOOK:
-                kept[index] = _look(shading)
-                shading.color_type, shading.light = _LOOK
+        for index, view in _shadings(screen):
+            if view.type == "SOLID" and _look(view) != look:
+                if _look(view) not in (ON_VERTICES, IN_TEXELS):
+                    kept[index] = _look(view)
+                view.color_type, view.light = look
         screen[_VIEWS] = json.dumps(kept)
 
 
@@ -98,9 +136,9 @@ def restore_views(context: bpy.types.Context) -> None:
         return
     for screen in bpy.data.screens:
         kept = json.loads(screen.pop(_VIEWS, "{}"))
-        for index, shading in _shadings(screen):
-            if index in kept and _look(shading) == _LOOK:
-                shading.color_type, shading.light = kept[index]
+        for index, view in _shadings(screen):
+            if index in kept and _look(view) in (ON_VERTICES, IN_TEXELS):
+                view.color_type, view.light = kept[index]
 
 
 def _shadings(screen: bpy.types.Screen) -> list[tuple[str, bpy.types.View3DShading]]:

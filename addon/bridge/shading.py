@@ -1,4 +1,4 @@
-"""The material that shows an object's pictures in false colour, their values at hand beside them."""
+"""The material that shows an object's false-colour pictures, the values at hand beside."""
 
 import json
 from collections.abc import Sequence
