@@ -9,6 +9,8 @@ MODULES: Final = (
     "addon.preferences",
     "addon.bridge.showing",
     "addon.overlays",
+    "addon.live",
+    "addon.structures",
     "addon.jobs",
     "addon.command",
     "operators.objects",
@@ -18,11 +20,13 @@ MODULES: Final = (
     "operators.run",
     "operators.light",
     "operators.scan",
+    "operators.structure",
     "panels.scene",
     "panels.glass",
     "panels.printing",
     "panels.light",
     "panels.scan",
+    "panels.structure",
 )
 
 

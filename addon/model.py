@@ -1,6 +1,6 @@
 """What Blender's objects and scenes carry for Heliform."""
 
-from typing import Any
+from typing import Any, get_args
 
 import bpy
 from bpy.props import (
@@ -19,12 +19,14 @@ from ..engines.glass.loft import Wall
 from ..engines.glass.toolpath import Spiral
 from ..engines.light import PhotonTracing
 from ..engines.scan import Comparison, ScanReading
-from . import printing
-from .bridge import layers, scan
+from ..engines.structure.joints import Joint
+from ..engines.structure.structure import Structure
+from . import printing, structures
+from .bridge import layers, members, scan
 from .bridge.lights import BlenderLight
 from .bridge.walls import WALL
 from .objects import rebuild
-from .properties import group_for, group_name, groups, scale_of, settle
+from .properties import enum_items, group_for, group_name, groups, scale_of, settle
 
 ROLES = (
     ("NONE", "None", "Heliform does not see it", 0),
@@ -59,8 +61,24 @@ def _reprint(group: Any, context: bpy.types.Context) -> None:
             printing.refresh(obj, scene)
 
 
+def _restructure(group: Any, context: bpy.types.Context) -> None:
+    structures.rebuild(group.id_data, context.scene)
+
+
+def _show_handles(group: Any, context: bpy.types.Context) -> None:
+    structures.show_handles(group.id_data, context.scene)
+
+
+def _repaint(group: Any, context: bpy.types.Context) -> None:
+    structures.repaint(group.id_data, context.scene)
+
+
 def _is_read(scene: Any, obj: bpy.types.Object) -> bool:
     return scan.facts_of(obj) is not None
+
+
+def _is_mesh(group: Any, obj: bpy.types.Object) -> bool:
+    return obj.type == "MESH" and obj != group.id_data
 
 
 # Made here: from Python 3.14 on, annotations are evaluated only when the class is registered.
@@ -71,6 +89,7 @@ _MATERIAL, _TRACING, _DISPLAY, _READING, _COMPARISON = map(
     group_for, (Material, PhotonTracing, Display, ScanReading, Comparison)
 )
 _LIGHT = group_for(BlenderLight)
+_STRUCTURE = group_for(Structure, _restructure)
 _SPIRAL = group_for(Spiral, _reprint)
 
 
@@ -99,6 +118,54 @@ class HELIFORM_PG_object(bpy.types.PropertyGroup):
     )
     gate_check: StringProperty(
         name="Shown Check", description="Empty shows the worst of all", update=_show_print
+    )
+    structure: PointerProperty(type=_STRUCTURE)
+    source: PointerProperty(
+        type=bpy.types.Object,
+        name="Edges Of",
+        description="The mesh whose edges are the members",
+        poll=_is_mesh,
+        update=_restructure,
+    )
+    live: BoolProperty(
+        name="Live",
+        description="Analyse and size the structure whenever it changes",
+        default=True,
+        update=_restructure,
+    )
+    joint: EnumProperty(
+        name="Joints",
+        description="How members are drawn where they meet",
+        items=enum_items(get_args(Joint)),
+        update=_restructure,
+    )
+    member_map: EnumProperty(
+        name="Show",
+        description="What the members are coloured by",
+        items=[(key, *words[:2], n) for n, (key, words) in enumerate(members.MAPS.items())],
+        update=_repaint,
+    )
+    member: IntProperty(
+        name="Member",
+        description="The member whose checks are listed",
+        default=-1,
+        min=-1,
+        update=_repaint,
+    )
+    controls: BoolProperty(
+        name="Control Points",
+        description="Handles that move the surface: drag them, or give them keyframes",
+        update=_show_handles,
+    )
+    levels: BoolProperty(
+        name="Material Handles",
+        description="Nine handles: off the surface on its outer side is steel, on the inner timber",
+        update=_show_handles,
+    )
+    turns: BoolProperty(
+        name="Turn Handles",
+        description="Nine handles: the farther off the surface, the more members are turned",
+        update=_show_handles,
     )
     path: BoolProperty(
         name="Print Path", description="Show the way of the nozzle as a curve", update=_show_print

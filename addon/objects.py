@@ -49,7 +49,7 @@ def add_glass(context: bpy.types.Context, record: GlassObject, name: str) -> bpy
     scale = scale_of(context.scene)
     block = to_blender(_resized(glass_object(record), 1 / scale), name)
     block.materials.append(_glass_material())
-    obj = _added(context, name, block, "BODY", GLASS)
+    obj = added(context, name, block, "BODY", GLASS)
     write(obj.heliform.glass_object, record, scale)
     return obj
 
@@ -70,7 +70,7 @@ def add_wall(
     block = to_blender(_resized(mesh, 1 / scale), name)
     skin_to_blender(skin, block, scale)
     block.materials.append(_glass_material())
-    obj = _added(context, name, block, "BODY", WALL)
+    obj = added(context, name, block, "BODY", WALL)
     if curves:
         obj.location = obj[_FOOT] = foot / scale
     for curve in curves:
@@ -81,7 +81,7 @@ def add_wall(
 
 def add_lamp(context: bpy.types.Context, record: Lamp, name: str) -> bpy.types.Object:
     """A lamp 22 cm above the 3D cursor, shining down."""
-    obj = _added(context, name, bpy.data.meshes.new(name), "LAMP", "")
+    obj = added(context, name, bpy.data.meshes.new(name), "LAMP", "")
     obj.location.z += _LAMP_HEIGHT / scale_of(context.scene)
     obj.hide_render = True
     obj.show_in_front = True
@@ -92,7 +92,7 @@ def add_lamp(context: bpy.types.Context, record: Lamp, name: str) -> bpy.types.O
 
 def add_receiver(context: bpy.types.Context, record: Plane, name: str) -> bpy.types.Object:
     """A receiver 1 mm below the 3D cursor, so that glass standing there does not touch it."""
-    obj = _added(context, name, bpy.data.meshes.new(name), "RECEIVER", PLANE)
+    obj = added(context, name, bpy.data.meshes.new(name), "RECEIVER", PLANE)
     obj.location.z -= _GAP / scale_of(context.scene)
     write(obj.heliform.plane, record, scale_of(context.scene))
     rebuild(obj, context.scene)
@@ -259,7 +259,7 @@ def _resized(mesh: Mesh, factor: float) -> Mesh:
     return mesh if factor == 1 else Mesh(mesh.vertices * factor, mesh.faces, mesh.normals)
 
 
-def _added(
+def added(
     context: bpy.types.Context, name: str, block: bpy.types.Mesh, role: str, form: str
 ) -> bpy.types.Object:
     """A new object at the 3D cursor, selected and active."""

@@ -1,12 +1,13 @@
 """How each analysis and Blender's scene meet, found by the analysis's name."""
 
-from ..engines import glass, light, scan
+from ..engines import glass, light, scan, structure
 from ..engines.core.analysis import Analysis
 from .bridge import as_printed
 from .bridge import light as light_bridge
 from .bridge import scan as scan_bridge
 from .printed import PRINT_STAGING, SCANNED_STAGING
 from .staging import Staging
+from .structures import STRUCTURE_STAGING
 
 _STAGINGS = {
     glass.PRINT_WALL.name: PRINT_STAGING,
@@ -14,6 +15,7 @@ _STAGINGS = {
     scan.READ_SCAN.name: scan_bridge.STAGING,
     scan.SCAN_TO_WALL.name: SCANNED_STAGING,
     scan.COMPARE_PRINT.name: as_printed.STAGING,
+    structure.SIZE_STRUCTURE.name: STRUCTURE_STAGING,
 }
 
 

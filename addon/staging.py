@@ -51,8 +51,10 @@ class Stage(Protocol):
 class Staging:
     """How an analysis and Blender meet.
 
-    ``gather`` raises HeliformError where the scene does not have what it takes.
+    ``gather`` raises HeliformError where the scene does not have what it takes. ``add`` adds what
+    the parameters of a study describe, where they are no settings of a scene; it raises too.
     """
 
     gather: Callable[[bpy.types.Context, Analysis], Gathered]
     stage: Stage
+    add: Callable[[bpy.types.Scene, Any], None] | None = None

@@ -157,7 +157,11 @@ class HELIFORM_OT_load_study(Reporting, Operator):
     def act(self, context: Context) -> str | None:
         """Add the study's first case. Raises HeliformError, and adds nothing then."""
         study = load_study(Path(bpy.path.abspath(self.filepath)))
-        studies.add_case(context.scene, study.cases[0], study.seed)
+        case = study.cases[0]
+        studies.add_case(context.scene, case, study.seed)
+        staging = staging_of(case.analysis)
+        if staging and staging.add:
+            staging.add(context.scene, case.parameters)
         if len(study.cases) > 1:
             first = study.cases[0].name
             return f"“{first}” is the first of {len(study.cases)} cases of “{study.title}”."

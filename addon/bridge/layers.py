@@ -6,7 +6,7 @@ lie in images, which it shows with Color › Texture. What the legend says lies 
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 
 import bpy
@@ -68,19 +68,16 @@ def paint(obj: bpy.types.Object, values: Vector, layer: Layer) -> None:
 def paint_texels(
     obj: bpy.types.Object,
     quantity: str,
-    values: Mapping[str, NDArray[np.floating]],
+    kinds: Sequence[str],
     colours: NDArray[np.floating],
     layer: Layer,
 ) -> None:
     """Give the object a layer of ``colours`` (rows, columns, 3) in 0..1, where its UV map has it.
 
-    ``values`` (rows, columns, 3) are float images, by name, that are kept beside the picture.
+    ``kinds`` are the object's images of values, which the material shows beside the picture.
     """
-    for kind, kept in values.items():
-        results.fill(results.image_for(obj, kind, "", kept.shape[:2]), kept)
     results.fill(results.image_for(obj, results.PICTURE, "", colours.shape[:2]), colours)
-    results.drop_others(obj, {(kind, "") for kind in (*values, results.PICTURE)})
-    shading.show_pictures(obj, quantity, tuple(values))
+    shading.show_pictures(obj, quantity, kinds)
     note(obj, layer)
 
 

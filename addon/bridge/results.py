@@ -181,6 +181,11 @@ def _values(picture: bpy.types.Image, kind: str) -> NDArray[np.float32]:
     image = find(owner_of(picture), kind, side_of(picture))
     if image is None:
         raise SceneError(f"The values behind “{picture.name}” are gone; trace photons again.")
+    return pixels_of(image)
+
+
+def pixels_of(image: bpy.types.Image) -> NDArray[np.float32]:
+    """The red, green and blue of an image (rows, columns, 3)."""
     columns, rows = image.size
     pixels = np.empty(rows * columns * 4, dtype=np.float32)
     image.pixels.foreach_get(pixels)

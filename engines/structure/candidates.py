@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from ..core.errors import ParameterError
 from .family import Family
-from .sections import Sections
+from .sections import Sections, joined_sections
 
 Index = NDArray[np.intp]
 
 _GROWING = (
-    *("area", "inertia_y", "inertia_z", "torsion", "elastic_y", "elastic_z"),
-    *("plastic_y", "plastic_z", "torsion_modulus", "shear_y", "shear_z"),
+    *("area", "inertia_y", "inertia_z", "torsion", "torsion_modulus"),
+    *("elastic_y", "elastic_z", "plastic_y", "plastic_z"),
 )
 """What grows from each section of a chain to the next."""
 
@@ -48,6 +48,10 @@ class Pool:
         """The density (T,) of each section's material in kg/m³."""
         return np.array([one.grade.density for one in self.families])[self.family]
 
+    def youngs(self) -> NDArray[np.float64]:
+        """Young's modulus (T,) of each section's material in Pa."""
+        return np.array([one.grade.youngs for one in self.families])[self.family]
+
     def energy(self) -> NDArray[np.float64]:
         """The embodied energy (T,) of each section's material in J/kg."""
         return np.array([one.grade.energy for one in self.families])[self.family]
@@ -63,16 +67,10 @@ def pool_of(families: Sequence[Family]) -> Pool:
     counts = [len(one.sections) for one in families]
     return Pool(
         tuple(families),
-        joined([one.sections for one in families]),
+        joined_sections([one.sections for one in families]),
         np.repeat(np.arange(len(families)), counts),
         np.concatenate([np.arange(count) for count in counts]),
     )
-
-
-def joined(parts: Sequence[Sections]) -> Sections:
-    """The sections of all parts, one after the other."""
-    names = Sections.__dataclass_fields__
-    return Sections(**{n: np.concatenate([getattr(part, n) for part in parts]) for n in names})
 
 
 def menu_of(pool: Pool, allowed: Index, cost: NDArray[np.float64] | None = None) -> Menu:

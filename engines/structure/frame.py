@@ -18,14 +18,14 @@ class Frame:
 
     ``nodes`` (N, 3) float64 in m; ``members`` (M, 2) int32, start and end node; ``normals`` (M, 3)
     float64, for each member the direction in which its section's height is measured: the local z
-    is the part of it that is perpendicular to the member. Local x runs from start to end, y = z × x.
-    ``held`` (N, 6) bool: the displacements and rotations that supports hold, in the world's axes
-    and in the order of FREEDOMS.
+    is the part of it that is perpendicular to the member. Local x runs from start to end and y is
+    z × x. ``held`` (N, 6) bool: the displacements and rotations that supports hold, in the
+    world's axes and in the order of FREEDOMS.
 
     ``releases`` (M, 12) bool, or None: local end freedoms (start, then end, each in the order of
     FREEDOMS) that a member does not share with its node. ``offsets`` (M, 2, 3) in m, or None: from
-    the nodes to the member's ends, by rigid arms, in the world's axes. ``springs`` (N, 6) in N/m and
-    N·m/rad, or None: elastic supports.
+    the nodes to the member's ends, by rigid arms, in the world's axes. ``springs`` (N, 6) in N/m
+    and N·m/rad, or None: elastic supports.
     """
 
     nodes: Vector
@@ -70,8 +70,8 @@ class Rigidities:
     """What the members' sections and materials resist with, each (M,) float64.
 
     ``axial`` EA in N; ``bending_y`` and ``bending_z`` EI about local y (strong, the height counts)
-    and z in N·m²; ``torsion`` GJ in N·m²; ``shear_y`` and ``shear_z`` GA_s along local y and z in N,
-    infinite for Euler–Bernoulli beams; ``mass`` ρA in kg/m; ``rotary`` ρI_p in kg·m.
+    and z in N·m²; ``torsion`` GJ in N·m²; ``shear_y`` and ``shear_z`` GA_s along local y and z in
+    N, infinite for Euler–Bernoulli beams; ``mass`` ρA in kg/m; ``rotary`` ρI_p in kg·m.
     """
 
     axial: Vector

@@ -62,5 +62,5 @@ def _check(demand: Demand, sections: Sections, grade: Grade, rules: Rules) -> Ch
     if rules.mode == "thesis":
         return check_thesis(demand, sections, grade)
     if grade.kind == "steel":
-        return check_steel(demand, sections, grade)
-    return check_timber(demand, sections, grade)
+        return check_steel(demand, sections, grade, rules.steel_rules)
+    return check_timber(demand, sections, grade, rules.timber_rules)

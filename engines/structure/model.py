@@ -17,8 +17,8 @@ class Model:
 
     ``cells`` (F, 4) int32: node indices around each cell, the last NO_NODE in a triangle,
     counter-clockwise seen from where ``normals`` of the members point; loads on the surface act on
-    them. ``surface`` (M, 2) float64: u and v in 0..1 of each member's middle on its surface, NaN for
-    those beside it (columns). ``groups`` (M,) int32 into ``group_names``: ribs, columns, rings,
+    them. ``surface`` (M, 2) float64: u and v in 0..1 of each member's middle on its surface, NaN
+    for those beside it (columns). ``groups`` (M,) int32 into ``group_names``: ribs, columns, rings,
     diagonals. ``notes``: what was assumed or repaired.
     """
 

@@ -1,0 +1,89 @@
+"""The numbers of a sized structure, and what a reader of it should know."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .sized import Sized
+    from .sizing import Chosen
+
+_GIGA = 1e9
+_OUTSIDE = 1e6  # utilisation of what no code covers, infinite to the check
+_NAMED = 8  # members at most that a note names
+
+
+def figures_of(result: "Sized", chosen: "Chosen") -> dict[str, dict[str, Any]]:
+    """Name → value and unit: mass, energy and carbon, use, displacement, convergence."""
+    rows = result.rows
+    steel = rows["material"] == "steel"
+    moved = np.linalg.norm(result.displacements[..., :3], axis=-1)
+    used = np.minimum(rows["utilisation"], _OUTSIDE)
+    pieces = {(str(row["grade"]), str(row["name"])) for row in rows}
+    numbers: dict[str, tuple[float, str]] = {
+        "mass": (rows["mass"].sum(), "kg"),
+        "mass_steel": (rows["mass"][steel].sum(), "kg"),
+        "mass_timber": (rows["mass"][~steel].sum(), "kg"),
+        "embodied_energy": (rows["energy"].sum() / _GIGA, "GJ"),
+        "carbon": (rows["carbon"].sum(), "kg CO2e"),
+        "volume": ((rows["area"] * rows["length"]).sum(), "m³"),
+        "members": (len(rows), ""),
+        "members_steel": (steel.sum(), ""),
+        "members_timber": ((~steel).sum(), ""),
+        "sections": (len(pieces), ""),
+        "max_utilisation": (used.max(), ""),
+        "mean_utilisation": (used.mean(), ""),
+        "failing": (rows["failing"].sum(), ""),
+        "max_displacement": (moved.max(), "m"),
+        "rounds": (len(chosen.changes), ""),
+        "converged": (chosen.converged, ""),
+        "still_changing": (chosen.changes[-1], ""),
+        "held": (chosen.held, ""),
+    }
+    for number, name in enumerate(result.model.group_names):
+        if (rows["group"] == number).any():
+            key = f"mass_{name.replace(' ', '_')}"
+            numbers[key] = (rows["mass"][rows["group"] == number].sum(), "kg")
+    if len(result.served.names):
+        numbers["max_service_utilisation"] = (result.served.utilisation.max(), "")
+    if len(result.frequencies):
+        numbers["first_frequency"] = (result.frequencies[0], "Hz")
+    if len(result.buckling):
+        numbers["buckling_factor"] = (result.buckling[0], "")
+    return {name: {"value": float(value), "unit": unit} for name, (value, unit) in numbers.items()}
+
+
+def notes_on(result: "Sized", chosen: "Chosen") -> list[str]:
+    """What a reader should know, a sentence each: what fails, what moves, whether it converged."""
+    notes = []
+    rows, members = result.rows, result.model.frame.members
+    if failing := int(rows["failing"].sum()):
+        worst = np.argsort(-rows["utilisation"], kind="stable")[: min(failing, _NAMED)]
+        said = ", ".join(
+            f"{m} (nodes {members[m, 0]} and {members[m, 1]}, {rows['utilisation'][m]:.3g})"
+            for m in worst.tolist()
+        )
+        more = " and others" if failing > _NAMED else ""
+        notes.append(
+            f"{failing} of {len(rows)} members fail even with the largest section: member {said}"
+            f"{more}; widen their range, or give them steel or a shorter span."
+        )
+    if not chosen.converged:
+        notes.append(
+            f"Not converged: {chosen.changes[-1]} sections still changed in round "
+            f"{len(chosen.changes)}; allow more rounds."
+        )
+    if chosen.held:
+        notes.append(
+            f"{chosen.held} sections went to and fro between two sizes and keep the larger."
+        )
+    if len(result.served.names):
+        used = result.served.utilisation.max(axis=1)
+        for name, share in zip(result.served.names, used.tolist(), strict=True):
+            if share > 1:
+                notes.append(f"{name}: {share:.3g} times what is allowed.")
+    if slender := int((result.checked.section_class == 4).sum()):
+        notes.append(
+            f"{slender} members have sections of class 4, whose walls buckle (EN 1993-1-5)."
+        )
+    return notes + list(result.meta["combination_notes"])

@@ -1,0 +1,60 @@
+"""Shapes in which a frame buckles or swings: eigenvectors of its matrices."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import eigh
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+from ..core.scene import Vector
+from .linear import Factor
+
+_DENSE = 240
+"""Matrices with no more rows than this are solved whole."""
+
+
+class Modes(NamedTuple):
+    """n modes of a frame of N nodes and M members; in each the greatest displacement is 1.
+
+    ``values`` (n,): load factors, or frequencies in Hz; ``nodes`` (n, N, 6): displacements and
+    rotations; ``along`` (n, M, pieces + 1, 3): displacements at even stations of the members. World
+    axes.
+    """
+
+    values: Vector
+    nodes: Vector
+    along: Vector
+
+
+def greatest_eigenpairs(
+    matrix: csc_matrix, metric: csc_matrix, factor: Factor, count: int
+) -> tuple[Vector, Vector]:
+    """The greatest ``count`` values θ (n,), falling, and vectors (rows, n) of B φ = θ A φ.
+
+    ``matrix`` B is symmetric, ``metric`` A positive definite and ``factor`` its factor. Lanczos'
+    method in A's inner product [Lehoucq, Sorensen and Yang 1998, ARPACK, mode 2].
+    """
+    rows = metric.shape[0]
+    count = min(count, rows)
+    if not count:
+        return np.zeros(0), np.zeros((rows, 0))
+    if rows <= _DENSE or count > rows // 3:
+        span = [rows - count, rows - 1]
+        values, vectors = eigh(matrix.toarray(), metric.toarray(), subset_by_index=span)
+    else:
+        inverse = LinearOperator(
+            (rows, rows), matvec=lambda right: factor.solve(right.reshape(-1, 1)).ravel()
+        )
+        start = np.random.default_rng(0).normal(size=rows)  # the same modes every time
+        values, vectors = eigsh(matrix, count, metric, which="LA", Minv=inverse, v0=start)
+    order = np.argsort(values)[::-1]
+    return values[order], vectors[:, order]
+
+
+def scaled(nodes: Vector, along: Vector) -> tuple[Vector, Vector]:
+    """Shapes (n, N, 6) and (n, M, S, 3) whose greatest displacement is 1."""
+    size = np.linalg.norm(along, axis=-1).reshape(len(along), -1)
+    most = size.max(axis=1)
+    most = np.where(most > 0, most, np.abs(nodes).max(axis=(1, 2), initial=1e-300))
+    return nodes / most[:, None, None], along / most[:, None, None, None]
