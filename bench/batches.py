@@ -139,7 +139,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=OUT, help="folder of the JSON")
     asked = parser.parse_args()
     rows = [measure(n, asked.cases, asked.seconds, asked.processes) for n in asked.members]
-    title = f"{asked.cases} load cases; ms a design, then designs a second, {asked.processes} processes"
+    title = (
+        f"{asked.cases} load cases; ms a design, then designs a second, {asked.processes} processes"
+    )
     table(list(rows[0]), [list(row.values()) for row in rows], title)
     save("batches", {"cases": asked.cases, "processes": asked.processes, "runs": rows}, asked.out)
 

@@ -8,6 +8,7 @@ from bpy.types import Context, Object, Panel, Scene, UILayout
 from ..addon.bridge.print_nodes import sockets_of
 from ..addon.objects import GLASS, WALL
 from ..addon.properties import draw, scale_of
+from ..addon.structures import STRUCTURE
 from ..engines.core.parameters import fields_of
 from ..engines.glass import GlassObject
 from ..engines.glass.fourier import Plan
@@ -22,6 +23,11 @@ class HELIFORM_PT_glass(Room, Panel):
 
     bl_idname = "HELIFORM_PT_glass"
     bl_label = "Glass"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Not with a structure, which is no glass."""
+        return context.object is None or context.object.heliform.form != STRUCTURE
 
     def draw(self, context: Context) -> None:
         """The active glass object, or how to get one."""

@@ -13,6 +13,7 @@ from ..addon.bridge.lights import BlenderLight, is_sun, read_light
 from ..addon.bridge.materials import read_material
 from ..addon.objects import GLASS, PLANE, WALL, lamp_hides
 from ..addon.properties import draw, read, scale_of
+from ..addon.structures import STRUCTURE
 from ..engines.core.errors import SceneError
 from ..engines.core.scene import Lamp, Material, Plane
 from ..engines.light.shape import placed_lamp
@@ -58,6 +59,9 @@ class HELIFORM_PT_heliform(Sidebar, Panel):
         row.operator("heliform.add_wall", text="Wall", icon="MOD_CLOTH")
         row.operator("heliform.add_lamp", text="Lamp", icon="LIGHT_SPOT")
         row.operator("heliform.add_receiver", text="Receiver", icon="MESH_PLANE")
+        layout.operator_menu_enum(
+            "heliform.add_structure", "preset", text="Structure", icon="MOD_LATTICE"
+        )
         found = {role: _listed(context, role) for role, _, _ in _ROLES}
         if not any(found.values()):
             layout.operator("heliform.add_demo", icon="SCENE_DATA")
@@ -84,7 +88,7 @@ class HELIFORM_PT_object(Sidebar, Panel):
         layout.use_property_decorate = False
         own = obj.heliform
         _draw_roles(layout, obj)
-        if own.form not in (GLASS, WALL):  # their own room says so
+        if own.form not in (GLASS, WALL, STRUCTURE):  # their own room says so
             draw_problem(layout, obj)
         if own.role == "BODY":
             draw_sentence(layout, body_used(obj, scale_of(context.scene))[2])

@@ -35,6 +35,8 @@ _FIGURES = (
     ("sections", "Sections", 1.0, ""),
     ("rounds", "Rounds", 1.0, ""),
 )
+_PARTS = {"columns", "opening_1", "opening_2"}
+"""Of a form, what is in a panel of its own."""
 _EVERYDAY = ("mode", "choose", "per", "steel", "timber", "sizes")
 """The rules that are changed daily; the rest is in a panel of its own."""
 
@@ -50,21 +52,39 @@ class _Part(Room):
         return context.object is not None and context.object.heliform.form == STRUCTURE
 
 
-class HELIFORM_PT_structure(Room, Panel):
+class HELIFORM_PT_structure_start(Room, Panel):
     """Roofs, shells and façades, analysed and sized as they are drawn"""
 
-    bl_idname = "HELIFORM_PT_structure"
     bl_label = "Structure"
     bl_options = {"DEFAULT_CLOSED"}
 
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only without a structure."""
+        return context.object is None or context.object.heliform.form != STRUCTURE
+
     def draw(self, context: Context) -> None:
-        """What there is to start from, or the active structure's form."""
+        """What there is to start from."""
+        _prepare(self.layout)
+        self.layout.operator_menu_enum("heliform.add_structure", "preset", icon="ADD")
+        self.layout.operator("heliform.structure_from_mesh", icon="MESH_GRID")
+
+
+class HELIFORM_PT_structure(Room, Panel):
+    """The form of the active structure"""
+
+    bl_idname = "HELIFORM_PT_structure"
+    bl_label = "Structure"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with a structure."""
+        return context.object is not None and context.object.heliform.form == STRUCTURE
+
+    def draw(self, context: Context) -> None:
+        """Its measures; those of rarely needed parts are below."""
         layout, obj = self.layout, context.object
         _prepare(layout)
-        if obj is None or obj.heliform.form != STRUCTURE:
-            layout.operator_menu_enum("heliform.add_structure", "preset", icon="ADD")
-            layout.operator("heliform.structure_from_mesh", icon="MESH_GRID")
-            return
         own = obj.heliform
         draw_problem(layout, obj)
         form = own.structure.form
@@ -72,7 +92,27 @@ class HELIFORM_PT_structure(Room, Panel):
             layout.prop(own, "source")
             draw(layout, own.structure.network, _record("network"))
         else:
-            draw(layout, getattr(own.structure, form), _record(form))
+            draw(layout, getattr(own.structure, form), _record(form), _PARTS)
+
+
+class HELIFORM_PT_structure_parts(_Part, Panel):
+    """Columns and openings"""
+
+    bl_label = "Columns and Openings"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only where the form has some."""
+        return super().poll(context) and context.object.heliform.structure.form in ("roof", "shell")
+
+    def draw(self, context: Context) -> None:
+        """Those of the form."""
+        _prepare(self.layout)
+        structure = context.object.heliform.structure
+        record = _record(structure.form)
+        plain = {field.name for field in fields_of(record)} - _PARTS
+        draw(self.layout, getattr(structure, structure.form), record, plain)
 
 
 class HELIFORM_PT_structure_handles(_Part, Panel):
@@ -205,7 +245,9 @@ class HELIFORM_PT_structure_member(_Part, Panel):
         for name, used in known["checks"]:
             line = layout.column(align=True)
             line.alert = used > 1
-            line.progress(text=f"{name}  {100 * used:.0f} %", factor=min(used, 1.0))
+            line.progress(text=f"{100 * used:.0f} %", factor=min(used, 1.0))
+            for part in textwrap.wrap(name, _WIDTH):
+                line.label(text=part)
 
 
 class HELIFORM_PT_structure_combinations(_Part, Panel):
@@ -278,14 +320,16 @@ def _row(layout: UILayout, label: str, value: str) -> None:
 
 register, unregister = bpy.utils.register_classes_factory(
     (
+        HELIFORM_PT_structure_start,
         HELIFORM_PT_structure,
+        HELIFORM_PT_structure_result,
+        HELIFORM_PT_structure_member,
         HELIFORM_PT_structure_handles,
         HELIFORM_PT_structure_levels,
+        HELIFORM_PT_structure_parts,
         HELIFORM_PT_structure_loads,
         HELIFORM_PT_structure_sections,
         HELIFORM_PT_structure_rules,
-        HELIFORM_PT_structure_result,
-        HELIFORM_PT_structure_member,
         HELIFORM_PT_structure_combinations,
     )
 )

@@ -119,11 +119,13 @@ def show_in_views(context: bpy.types.Context, look: list[str] = ON_VERTICES) -> 
     """
     for screen in {window.screen for window in context.window_manager.windows}:
         kept = json.loads(screen.get(_VIEWS, "{}"))
-        for index, view in _shadings(screen):
-            if view.type == "SOLID" and _look(view) != look:
+        for index, view in _views(screen):
+            if view.shading.type == "SOLID" and _look(view) != look:
                 if _look(view) not in (ON_VERTICES, IN_TEXELS):
-                    kept[index] = _look(view)
-                view.color_type, view.light = look
+                    kept[index] = [*_look(view), view.overlay.show_outline_selected]
+                view.shading.color_type, view.shading.light = look
+                if look == IN_TEXELS:  # what is slender would drown in its outline
+                    view.overlay.show_outline_selected = False
         screen[_VIEWS] = json.dumps(kept)
 
 
@@ -133,22 +135,23 @@ def restore_views(context: bpy.types.Context) -> None:
         return
     for screen in bpy.data.screens:
         kept = json.loads(screen.pop(_VIEWS, "{}"))
-        for index, view in _shadings(screen):
+        for index, view in _views(screen):
             if index in kept and _look(view) in (ON_VERTICES, IN_TEXELS):
-                view.color_type, view.light = kept[index]
+                view.shading.color_type, view.shading.light = kept[index][:2]
+                view.overlay.show_outline_selected = kept[index][2]
 
 
-def _shadings(screen: bpy.types.Screen) -> list[tuple[str, bpy.types.View3DShading]]:
-    """The shading of each 3D view of a screen, by the place of its area."""
+def _views(screen: bpy.types.Screen) -> list[tuple[str, bpy.types.SpaceView3D]]:
+    """The 3D views of a screen, by the place of their area."""
     return [
-        (str(index), area.spaces.active.shading)
+        (str(index), area.spaces.active)
         for index, area in enumerate(screen.areas)
         if area.type == "VIEW_3D"
     ]
 
 
-def _look(shading: bpy.types.View3DShading) -> list[str]:
-    return [shading.color_type, shading.light]
+def _look(view: bpy.types.SpaceView3D) -> list[str]:
+    return [view.shading.color_type, view.shading.light]
 
 
 def _attribute(block: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute:

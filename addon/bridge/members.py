@@ -108,7 +108,7 @@ def _keep_values(obj: bpy.types.Object, sized: Sized) -> None:
     shape = (len(sized.rows), STATIONS)
     layout = layout_of(*shape)
     values = {
-        name: image_of(np.broadcast_to(value, shape).astype(np.float32), layout)
+        name: image_of(np.broadcast_to(value, shape), layout)
         for name, value in values_along(sized, STATIONS).items()
     }
     for kind, names in CHANNELS.items():
@@ -160,10 +160,15 @@ def _coloured(
 def _footing(facts: dict[str, Any]) -> list[str]:
     figures = facts["figures"]
     mass, energy = (figures[n]["value"] for n in ("mass", "embodied_energy"))
-    said = [f"{mass / 1e3:.3g} t, {energy:.3g} GJ"]
+    said = [f"{_round(mass / 1e3)} t, {_round(energy)} GJ"]
     if not figures["converged"]["value"]:
         said.append("not converged")
     return said
+
+
+def _round(value: float) -> str:
+    """Three digits or more, and no exponent."""
+    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
 
 
 # What is said of members

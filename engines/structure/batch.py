@@ -120,9 +120,7 @@ def _row(loads: Loads, members: int) -> np.dtype:
     return np.dtype([(f.name, *kinds[f.name]) for f in fields(Summary)])
 
 
-def _shared(
-    frame: Frame, designs: Sequence[Design], loads: Loads, processes: int
-) -> list[Summary]:
+def _shared(frame: Frame, designs: Sequence[Design], loads: Loads, processes: int) -> list[Summary]:
     """The summaries, worked out by several processes that read the designs from a folder."""
     count = len(designs)
     edges = np.linspace(0, count, min(count, _SHARES * processes) + 1).astype(int).tolist()
@@ -136,7 +134,9 @@ def _shared(
                 if news is not None:
                     parts[news[0]] = news[1]
     return [
-        Summary(str(row["failure"]), float(row["mass"]), *(row[f.name] for f in fields(Summary)[2:]))
+        Summary(
+            str(row["failure"]), float(row["mass"]), *(row[f.name] for f in fields(Summary)[2:])
+        )
         for row in np.concatenate(parts)
     ]
 

@@ -21,7 +21,9 @@ def shear_ratio(bending: Vector, shear: Vector, lengths: Vector) -> Vector:
     return 12 * bending / (shear * lengths**2)
 
 
-def bending_shapes(ratio: Vector, lengths: Vector, stations: Vector) -> tuple[Vector, Vector, Vector]:
+def bending_shapes(
+    ratio: Vector, lengths: Vector, stations: Vector
+) -> tuple[Vector, Vector, Vector]:
     """Deflection, its slope and the section's rotation by the end freedoms, each (M, S, 4).
 
     ``ratio`` φ and ``lengths`` in m, (M,); ``stations`` (S,) in 0..1. The freedoms are deflection

@@ -85,10 +85,8 @@ def fin_vertices(
     """The vertices (V, 3) in m of `member_solids` alone, in the same order."""
     axes, ends, lengths = frame.axes(), frame.ends(), frame.lengths()
     up = node_normals(frame) if normals is None else normals
-    if joint == "mitred":
-        planes = mitre_planes(frame, sections.height, sections.width, up)
-    else:
-        planes = square_planes(frame)
+    is_mitred = joint == "mitred"
+    planes = mitre_planes(frame, sections.width, up) if is_mitred else square_planes(frame)
     up = up[frame.members]
     fractions = np.linspace(0.0, 1.0, stations)[:, None]
     found = []

@@ -27,7 +27,11 @@ _CLOSE, _MOST = 1e-12, 200
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FormFinding:
-    """A shape that force densities find, between the places where the drawn one is held."""
+    """A shape that force densities find, between the places where the drawn one is held.
+
+    It is funicular for what holds it here: held by supports alone, a net draws in to the columns
+    that it hangs from, overhangs too; held along its edges, it asks for edges that hold.
+    """
 
     shape: Literal["drawn", "standing", "hanging"] = param(
         "drawn", help="As drawn, or found: in compression like an arch, or in tension like a net"
@@ -115,6 +119,11 @@ def found_form(model: Model, record: FormFinding) -> Form:
     for _ in range(_MOST):
         weight = _weights(replace(frame, nodes=nodes), model.cells, branches, record.load)
         bend = solve(np.column_stack([np.zeros((len(free), 2)), weight[free]]))[:, 2]
+        if bend.max() < _CLOSE * max(np.ptp(slack), 1.0):
+            raise SceneError(
+                "The load does not bend the net, for its surface stands upright; load the area of "
+                "the surface, or keep the form as drawn."
+            )
         scale = bend.max() / record.rise
         previous, nodes = nodes, slack.copy()
         nodes[free, 2] += sign * bend / scale

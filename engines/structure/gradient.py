@@ -87,19 +87,34 @@ def _member_work(
     system: System, response: Response, adjoint: Response, loads: Loads, share: float
 ) -> MemberWork:
     """The members as they move in a response and in its adjoint."""
-    frame = system.frame
-    both = np.stack([response.displacements, adjoint.displacements])
-    ends = both[:, :, frame.members].reshape(*both.shape[:2], -1, 4, 3)
+    return MemberWork(
+        system.frame,
+        system.rigidities,
+        loads,
+        response.lengths,
+        response.axes,
+        response.end_displacements,
+        adjoint.end_displacements,
+        _apart(system.frame, response),
+        _apart(system.frame, adjoint),
+        share,
+    )
+
+
+def _apart(frame: Frame, response: Response) -> Vector:
+    """What members' ends move beyond their nodes (C, M, 12), local axes: nothing but released."""
+    ends = response.end_displacements
+    if frame.releases is None:
+        return np.zeros(12)
+    moved = response.displacements[:, frame.members].reshape(*ends.shape[:2], 4, 3)
     if frame.offsets is not None:
-        ends[..., ::2, :] += np.cross(ends[..., 1::2, :], frame.offsets)
-    local = np.stack([response.end_displacements, adjoint.end_displacements])
-    apart = local.reshape(ends.shape) - ends @ response.axes.transpose(0, 2, 1)
-    return MemberWork(frame, system.rigidities, loads, ends, apart, share)
+        moved[:, :, ::2] += np.cross(moved[:, :, 1::2], frame.offsets)
+    return ends - (moved @ response.axes.transpose(0, 2, 1)).reshape(ends.shape)
 
 
 def _gradient(members: MemberWork) -> Gradient:
     """The derivatives of members' work by rigidities and nodes."""
-    return Gradient(members.by_rigidities(), _at_nodes(members.frame, members.by_ends()))
+    return Gradient(members.by_rigidities(), _at_nodes(members.frame, members.by_spans()))
 
 
 def _at_nodes(frame: Frame, pull: Vector) -> Vector:

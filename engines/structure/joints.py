@@ -12,6 +12,7 @@ from .model import NO_NODE
 Joint = Literal["mitred", "overlapped"]
 
 _STEEP = np.cos(np.radians(45.0))  # a member nearer to its node's normal runs in from below
+_TURNED = np.sin(np.radians(20.0))  # of a section against its node's normal, about its member
 _SHARPEST = 4.0  # length of a cut over the half width it cuts: 28° between two equal members
 _LONGEST = 0.45  # of a member, so that its two ends do not meet
 
@@ -41,7 +42,7 @@ def node_normals(frame: Frame, cells: NDArray[np.int32] | None = None) -> Vector
     return _unit(normals)
 
 
-def mitre_planes(frame: Frame, heights: Vector, widths: Vector, normals: Vector) -> Vector:
+def mitre_planes(frame: Frame, widths: Vector, normals: Vector) -> Vector:
     """Normals (M, 2, 2, 3) of the planes that cut each member at its start and its end.
 
     At every node the members are ordered about its normal; between two neighbours they are cut by
@@ -49,7 +50,9 @@ def mitre_planes(frame: Frame, heights: Vector, widths: Vector, normals: Vector)
     for equal widths). The last but one axis is the side: to the left of the member seen from its
     node, then to the right. n · d > 0, with d the direction away from the node.
 
-    Members nearer than 45° to the node's normal, and those with no neighbour, end square.
+    Members nearer than 45° to the node's normal, those whose sections are turned against it by more
+    than 20°, which have no common mitre, and those with no neighbour end square at the node. On a
+    twisted surface straight members meet in the plane, but not with all of their edges.
     """
     count = len(frame.members)
     axes = frame.axes()
@@ -57,7 +60,10 @@ def mitre_planes(frame: Frame, heights: Vector, widths: Vector, normals: Vector)
     away = np.concatenate([axes[:, 0], -axes[:, 0]])
     up = normals[node]
     rise = np.einsum("ei,ei->e", away, up)
-    level = np.flatnonzero((np.abs(rise) < _STEEP) & (np.linalg.norm(up, axis=1) > 0.5))
+    aside = np.abs(np.einsum("ei,ei->e", np.tile(axes[:, 1], (2, 1)), up))
+    level = np.flatnonzero(
+        (np.abs(rise) < _STEEP) & (aside < _TURNED) & (np.linalg.norm(up, axis=1) > 0.5)
+    )
     planes = square_planes(frame)
     if not len(level):
         return planes
@@ -65,29 +71,17 @@ def mitre_planes(frame: Frame, heights: Vector, widths: Vector, normals: Vector)
     up, node = up[level], node[level]
     forward = _unit(away[level] - rise[level, None] * up)
     left = np.cross(up, forward)
-    member = level % count
-    lateral = np.abs(np.einsum("ei,eki->ek", left, axes[member][:, 1:]))
-    breadth = lateral[:, 0] * widths[member] + lateral[:, 1] * heights[member]
-
+    member, end = level % count, level // count
     angle = _angles(forward, up)
-    order = np.lexsort((angle, node))
-    starts = np.flatnonzero(np.r_[True, np.diff(node[order]) != 0])
-    sizes = np.diff(np.r_[starts, len(order)])
-    begin, size = np.repeat(starts, sizes), np.repeat(sizes, sizes)
-    place = np.arange(len(order)) - begin
-    following = np.empty_like(order)
-    following[order] = order[begin + (place + 1) % size]
-    preceding = np.empty_like(order)
-    preceding[order] = order[begin + (place - 1) % size]
-    alone = np.empty(len(order), dtype=bool)
-    alone[order] = size == 1
+    following, preceding, alone = _around(node, angle)
     turn = np.mod(angle[following] - angle, 2 * np.pi)
     turn = np.where(turn < 1e-9, 2 * np.pi, turn)
 
-    ahead = np.where(alone, 0.0, _cut(turn, breadth, breadth[following]))
-    behind = np.where(alone, 0.0, _cut(turn[preceding], breadth, breadth[preceding]))
-    planes[member, level // count, 0] = forward - ahead[:, None] * left
-    planes[member, level // count, 1] = forward + behind[:, None] * left
+    width = widths[member]
+    ahead = np.where(alone, 0.0, _cut(turn, width, width[following]))
+    behind = np.where(alone, 0.0, _cut(turn[preceding], width, width[preceding]))
+    planes[member, end, 0] = forward - ahead[:, None] * left
+    planes[member, end, 1] = forward + behind[:, None] * left
     return planes
 
 
@@ -114,6 +108,21 @@ def cut_lengths(
     found = np.where(side > slack, reach[:, 0], np.where(side < -slack, reach[:, 1], middle))
     longest = _LONGEST * lengths[:, None]
     return np.clip(found, -longest, longest)
+
+
+def _around(
+    node: NDArray[np.integer], angle: Vector
+) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:
+    """The next member end about each one's node, the one before, and whether there is no other."""
+    order = np.lexsort((angle, node))
+    starts = np.flatnonzero(np.r_[True, np.diff(node[order]) != 0])
+    sizes = np.diff(np.r_[starts, len(order)])
+    begin, size = np.repeat(starts, sizes), np.repeat(sizes, sizes)
+    place = np.arange(len(order)) - begin
+    following, preceding = np.empty_like(order), np.empty_like(order)
+    following[order] = order[begin + (place + 1) % size]
+    preceding[order] = order[begin + (place - 1) % size]
+    return following, preceding, following == np.arange(len(order))
 
 
 def _cut(turn: Vector, own: Vector, other: Vector) -> Vector:

@@ -193,7 +193,8 @@ def _check_loads(frame: Frame, loads: Loads) -> None:
 def _greatest(members: Members, forces: Vector) -> Vector:
     """The greatest of forces and moments (C, …, 6) of each case (C,), moments over lengths."""
     size = float(members.coefficients.lengths.mean())
-    most = np.abs(forces.reshape(len(forces), -1, 2, 3)).max(axis=(1, 3), initial=0.0)
+    most = np.abs(forces).max(axis=1, initial=0.0)
+    most = most.reshape(len(forces), -1, 2, 3).max(axis=(1, 3), initial=0.0)
     return np.maximum(most[:, 0], most[:, 1] / size)
 
 

@@ -13,6 +13,7 @@ from ..core.scene import Vector
 from .beam_shapes import PLANES
 from .frame import Frame, Rigidities
 from .loads import Loads
+from .stiffness import coefficients, elastic_forces, equivalent_loads
 
 _STEP = 1e-30
 """Of the complex step [Squire and Trapp 1998]: exact to rounding, as nothing is subtracted."""
@@ -22,149 +23,139 @@ _BENDING = (("bending_z", "shear_y"), ("bending_y", "shear_z"))
 
 @dataclass(frozen=True)
 class MemberWork:
-    """Members of a frame that move by u, and by λ, under loads of which ``share`` a counts.
+    """M members of a frame that move by u, and by λ, under C load cases of which a ``share`` counts.
 
-    ``ends`` (2, C, M, 4, 3): displacement and rotation of the start, then of the end, in u and in
-    λ, world axes; ``apart``, of the same shape: what released ends move by themselves, local axes.
-    Both stay as they are when a member's ends are moved.
+    ``u`` and ``by`` λ (C, M, 12): displacements of the ends, local axes; ``apart_u`` and
+    ``apart_by``: what of it released ends move by themselves, which stays along the member's axes
+    when those turn. ``lengths`` (M,) in m and ``axes`` (M, 3, 3) as of the frame.
     """
 
     frame: Frame
     rigidities: Rigidities
     loads: Loads
-    ends: Vector
-    apart: Vector
+    lengths: Vector
+    axes: Vector
+    u: Vector
+    by: Vector
+    apart_u: Vector
+    apart_by: Vector
     share: float
 
     def of_lines(self) -> float:
         """λᵀf of the loads along members, in J."""
-        place = _place(self.frame, 0.0)
-        _, by = self._strains(place)
-        return float(_of_line(self.rigidities, place.lengths, self._line(place), by).sum())
+        return float(np.sum(self._line() * self._carried(self.lengths)))
 
     def by_rigidities(self) -> Rigidities:
         """Its derivatives by the rigidities of each member (M,)."""
-        place = _place(self.frame, 0.0)
-        length, line = place.lengths, self._line(place)
-        u, by = self._strains(place)
+        length, line = self.lengths, self._line()
+        u, by = _strains(self.u, length), _strains(self.by, length)
         found = {f.name: np.zeros_like(length) for f in fields(Rigidities)}
         found["axial"] = -_sum(u.stretch, by.stretch) / length
         found["torsion"] = -_sum(u.twist, by.twist) / length
         for plane, (bending, shear) in enumerate(_BENDING):
             stiff, soft = getattr(self.rigidities, bending), getattr(self.rigidities, shear)
-            ratio = 12 * stiff / (soft * length**2)
+            ratio = 12 * stiff / soft / length**2
             slant = line[:, :, 0, plane + 1] - line[:, :, 1, plane + 1]
             load = self.share * length**2 / 60 * _sum(slant, by.wave[plane])
             waved = 12 / length * _sum(u.wave[plane], by.wave[plane])
             bowed = 4 / length * _sum(u.bow[plane], by.bow[plane])
-            # load/(1 + φ) − waved·EI/(1 + φ), where φ is EI over GA and a constant
+            # Of (load − waved EI) ÷ (1 + φ) − bowed EI, where φ goes with EI and against GA_s
             found[bending] = -bowed - (waved + load * ratio / stiff) / (1 + ratio) ** 2
             found[shear] = (load - waved * stiff) * (ratio / soft) / (1 + ratio) ** 2
-        own = np.repeat(self.loads.gravity[:, None, None], 2, axis=2) @ place.axes.transpose(0, 2, 1)
-        found["mass"] = self.share * _of_line(self.rigidities, length, own, by)
+        pull = self._turned(self.loads.gravity[:, None])
+        found["mass"] = self.share * _sum(pull, self._carried(length).sum(axis=2))
         return Rigidities(**found)
 
-    def by_ends(self) -> Vector:
-        """Its derivatives by the vectors from start to end (M, 3), in J/m."""
-        found = [self._work(_place(self.frame, 1j * _STEP * axis)).imag for axis in np.eye(3)]
-        return np.stack(found, axis=1) / _STEP
+    def by_spans(self) -> Vector:
+        """Its derivatives by the vectors from start to end of the members (M, 3), in J/m."""
+        length, line = self.lengths, self._line()
+        c = coefficients(self.rigidities, length)
+        pairs = (
+            (self.u - self.apart_u, -elastic_forces(c, self.by)),
+            (
+                self.by - self.apart_by,
+                self.share * equivalent_loads(c, line) - elastic_forces(c, self.u),
+            ),
+            (line, self.share * self._carried(length)),
+        )
+        # Axes that turn by ω take ω × v from the local components of every vector v
+        turning = -sum(
+            np.cross(v.reshape(len(v), -1, k, 3), g.reshape(len(g), -1, k, 3)).sum(axis=(0, 2))
+            for (v, g), k in zip(pairs, (4, 4, 2), strict=True)
+        )
+        x, y, z = self.axes.transpose(1, 0, 2)
+        normals = _normals(self.frame, self.axes)
+        roll = np.einsum("mi,mi->m", x, normals) / np.einsum("mi,mi->m", z, normals)
+        longer = self._work(length + 1j * _STEP).imag / _STEP
+        aside = (turning[:, 2] + roll * turning[:, 0]) / length
+        return longer[:, None] * x + aside[:, None] * y - (turning[:, 1] / length)[:, None] * z
 
-    def _work(self, place: "_Place") -> Vector:
-        """λᵀ(a f − K u) of each member (M,), summed over the cases."""
-        r, length = self.rigidities, place.lengths
-        u, by = self._strains(place)
-        work = self.share * _of_line(r, length, self._line(place), by)
+    def _work(self, length: Vector) -> Vector:
+        """λᵀ(a f − K u) of members (M,) so long, their ends moving as they do in local axes."""
+        r = self.rigidities
+        u, by = _strains(self.u, length), _strains(self.by, length)
+        work = self.share * _sum(self._line(), self._carried(length))
         work = work - r.axial / length * _sum(u.stretch, by.stretch)
         work = work - r.torsion / length * _sum(u.twist, by.twist)
         for plane, (bending, shear) in enumerate(_BENDING):
             stiff, soft = getattr(r, bending), getattr(r, shear)
-            ratio = 12 * stiff / (soft * length**2)
-            waved = 12 / (1 + ratio) * _sum(u.wave[plane], by.wave[plane])
-            bowed = 4 * _sum(u.bow[plane], by.bow[plane])
-            work = work - stiff / length * (bowed + waved)
+            waved = 12 / (1 + 12 * stiff / soft / length**2)
+            waved = waved * _sum(u.wave[plane], by.wave[plane])
+            work = work - stiff / length * (4 * _sum(u.bow[plane], by.bow[plane]) + waved)
         return work
 
-    def _strains(self, place: "_Place") -> tuple["_Strains", "_Strains"]:
-        """How u and λ strain the members."""
-        local = self.ends @ place.axes.transpose(0, 2, 1) + self.apart
-        return _strains(local[0], place.lengths), _strains(local[1], place.lengths)
+    def _carried(self, length: Vector) -> Vector:
+        """λᵀf (C, M, 2, 3) of unit loads in N/m along local axes, that fade from start or end."""
+        by = _strains(self.by, length)
+        start, end = self.by[..., :3], self.by[..., 6:9]
+        carried = np.stack([2 * start + end, start + 2 * end], axis=2) * (length / 6)[:, None, None]
+        for plane, (bending, shear) in enumerate(_BENDING):
+            stiff, soft = getattr(self.rigidities, bending), getattr(self.rigidities, shear)
+            bowed = length**2 / 12 * by.bow[plane]
+            waved = length**2 / (60 * (1 + 12 * stiff / soft / length**2)) * by.wave[plane]
+            carried[:, :, 0, plane + 1] += bowed + waved
+            carried[:, :, 1, plane + 1] += bowed - waved
+        return carried
 
-    def _line(self, place: "_Place") -> Vector:
-        """Loads along the members with their own weight (C, M, 2, 3), local axes."""
+    def _line(self) -> Vector:
+        """Loads along the members with their own weight (C, M, 2, 3) in N/m, local axes."""
         weight = self.loads.gravity[:, None, None] * self.rigidities.mass[:, None, None]
-        return (self.loads.line + weight) @ place.axes.transpose(0, 2, 1)
+        return (self.loads.line + weight) @ self.axes.transpose(0, 2, 1)
 
-
-class _Place(NamedTuple):
-    """Lengths (M,) and local axes (M, 3, 3) of members, complex where their ends are."""
-
-    lengths: Vector
-    axes: Vector
+    def _turned(self, vectors: Vector) -> Vector:
+        """Vectors (C, 1, 3) in the members' local axes (C, M, 3)."""
+        return np.einsum("mji,ci->cmj", self.axes, vectors[:, 0])
 
 
 class _Strains(NamedTuple):
-    """Displacements of members' ends (C, M), and what of them strains the members."""
+    """What of its ends' displacements strains each member (C, M), in m and rad."""
 
-    ends: Vector
     stretch: Vector
     twist: Vector
     bow: tuple[Vector, ...]
     wave: tuple[Vector, ...]
 
 
-def _place(frame: Frame, change: Vector | float) -> _Place:
-    """Where members lie when the vector from start to end of each changes by ``change`` (3,)."""
-    ends = frame.ends()
-    span = ends[:, 1] - ends[:, 0] + change
-    length = np.sqrt(_dot(span, span))
-    x = span / length[:, None]
-    normals = _normals(frame)
-    z = normals - _dot(normals, x)[:, None] * x
-    z = z / np.sqrt(_dot(z, z))[:, None]
-    return _Place(length, np.stack([x, np.cross(z, x), z], axis=1))
+def _strains(ends: Vector, length: Vector) -> _Strains:
+    """What of end displacements (C, M, 12) in local axes strains members of so many m (M,)."""
+    bow, wave = [], []
+    for start, start_turn, end, end_turn, sign in PLANES:
+        chord = (ends[..., end] - ends[..., start]) / length
+        bow.append(sign * (ends[..., start_turn] - ends[..., end_turn]) / 2)
+        wave.append(sign * (ends[..., start_turn] + ends[..., end_turn]) / 2 - chord)
+    stretch, twist = ends[..., 6] - ends[..., 0], ends[..., 9] - ends[..., 3]
+    return _Strains(stretch, twist, tuple(bow), tuple(wave))
 
 
-def _normals(frame: Frame) -> Vector:
+def _normals(frame: Frame, axes: Vector) -> Vector:
     """The members' normals, those along a member replaced as `Frame.axes` does it."""
-    axes = frame.axes()
-    across = np.abs(_dot(frame.normals, axes[:, 2]))
+    across = np.abs(np.einsum("mi,mi->m", frame.normals, axes[:, 2]))
     along = across < 1e-6 * np.linalg.norm(frame.normals, axis=1)
     other = np.eye(3)[np.argmin(np.abs(axes[:, 0]), axis=1)]
     return np.where(along[:, None], other, frame.normals)
 
 
-def _strains(local: Vector, length: Vector) -> _Strains:
-    """What of the end displacements ``local`` (C, M, 4, 3) strains members."""
-    flat = local.reshape(*local.shape[:2], 12)
-    bow, wave = [], []
-    for start, start_turn, end, end_turn, sign in PLANES:
-        chord = (flat[..., end] - flat[..., start]) / length
-        bow.append(sign * (flat[..., start_turn] - flat[..., end_turn]) / 2)
-        wave.append(sign * (flat[..., start_turn] + flat[..., end_turn]) / 2 - chord)
-    stretch, twist = flat[..., 6] - flat[..., 0], flat[..., 9] - flat[..., 3]
-    return _Strains(local[..., ::2, :], stretch, twist, tuple(bow), tuple(wave))
-
-
-def _of_line(rigidities: Rigidities, length: Vector, line: Vector, by: _Strains) -> Vector:
-    """∫ of the load times λ along each member (M,), in J; ``line`` (C, M, 2, 3), local axes."""
-    start, end = line[:, :, 0], line[:, :, 1]
-    chord = (2 * start + end) * by.ends[:, :, 0] + (start + 2 * end) * by.ends[:, :, 1]
-    work = chord.sum(axis=(0, 2)) * length / 6
-    for plane, (bending, shear) in enumerate(_BENDING):
-        stiff, soft = getattr(rigidities, bending), getattr(rigidities, shear)
-        ratio = 12 * stiff / (soft * length**2)
-        first, last = start[..., plane + 1], end[..., plane + 1]
-        bowed = _sum(first + last, by.bow[plane]) / 12
-        waved = _sum(first - last, by.wave[plane]) / (60 * (1 + ratio))
-        work = work + length**2 * (bowed + waved)
-    return work
-
-
-def _dot(one: Vector, other: Vector) -> Vector:
-    """The products of vectors (M, 3), without conjugation."""
-    return np.einsum("mi,mi->m", one, other)
-
-
 def _sum(one: Vector, other: Vector) -> Vector:
-    """The product of (C, M) and (C, M), summed over the cases."""
-    return np.einsum("cm,cm->m", one, other)
+    """The product of two (C, M, …), summed to (M,)."""
+    product = one * other
+    return product.sum(axis=(0, *range(2, product.ndim)))

@@ -37,7 +37,7 @@ class Rules:
     timber_range: BoardRange = nested(BoardRange, "Sections of the thesis's timber")  # noqa: RUF009
     sizes: int = param(0, "", 0, 1000, "Most different sections of each family; 0 is any number")
     stations: int = param(5, "", 2, 101, "Places along each member at which it is checked")
-    rounds: int = param(60, "", 1, 1000, "Most rounds of analysing and choosing")
+    rounds: int = param(100, "", 1, 1000, "Most rounds of analysing and choosing")
     turns: int = param(
         6,
         "",

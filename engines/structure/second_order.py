@@ -47,7 +47,9 @@ class SecondOrderResponse(Response):
 
     def deflections(self, stations: Vector) -> Vector:
         """Displacements (K, M, S, 3) in m, world axes, at ``stations`` (S,) in 0..1 of the length."""
-        local = super(SecondOrderResponse, self).deflections(stations) @ self.axes.transpose(0, 2, 1)
+        local = super(SecondOrderResponse, self).deflections(stations) @ self.axes.transpose(
+            0, 2, 1
+        )
         x = _from_middle(stations, self.lengths)
         for along, _, motion in self._columns().motions(self.end_displacements, self.line):
             local[..., along] = np.moveaxis(motion.deflection(x), 0, -1)

@@ -16,7 +16,8 @@ FAILING: Colour = (214, 39, 40)
 _PAPER, _INK, _QUIET = (255, 255, 255), (28, 32, 36), (96, 103, 110)
 _TITLE, _TEXT = 26, 18  # pixels
 _GAP = 24
-_LEGEND = 420  # pixels, how high a legend is
+_LEGEND = 540  # pixels, how high a legend is
+_NARROWEST = 640  # pixels that a view takes with its margin
 _BARS, _LABEL, _ROW = 900, 200, 40  # pixels: width, room for the names, height of a bar
 
 
@@ -25,10 +26,10 @@ def sheet(
 ) -> Image.Image:
     """A view with the legend of ``scale`` and the ``key`` of colours to its right."""
     side = _side(scale, key)
-    letters = max(20, int(view.width / (0.5 * _TEXT)))
+    letters = int(max(view.width, _NARROWEST) / (0.52 * _TEXT))
     lines = textwrap.wrap(note, letters)
     head = _GAP + _TITLE + _GAP // 2
-    width = max(view.width, 400) + side.width + 3 * _GAP
+    width = max(view.width, _NARROWEST) + side.width + 3 * _GAP
     height = head + max(view.height, side.height) + (len(lines) + 1) * (_TEXT + 6) + _GAP
     page = Image.new("RGB", (width, height), _PAPER)
     pen = ImageDraw.Draw(page)

@@ -92,10 +92,11 @@ def section_class(
     ``axial`` in N, positive in tension; moments in N·m, of either sign. The axial force is what it
     is and the moments grow in proportion until the section yields, fully for classes 1 and 2, at
     its edge for class 3: with one moment that is α = (1 + N/(c t f_y))/2 and ψ = 2N/(A f_y) − 1, as
-    the tables of SCI P363 have it. Walls are judged where they are most compressed: those of
-    a hollow section also by the other moment, outstand flanges as if compressed evenly. Where
-    the axial force stresses a section more than the moments do, its class is no better than in
-    pure compression; where nothing is compressed, it is 1. Solid sections are of class 1.
+    the tables of SCI P363 have it; tension helps no wall. Walls are judged where they are most
+    compressed: those of a hollow section also by the other moment, outstand flanges as if
+    compressed evenly. Where the axial force stresses a section more than the moments do, its class
+    is no better than in pure compression; where nothing is compressed, it is 1. Solid sections are
+    of class 1.
     """
     force = sections.area * grade.yield_strength
     n = np.minimum(axial / -force, 1.0)
@@ -108,7 +109,7 @@ def section_class(
         # What is of class 1 in pure compression always is.
         members = np.flatnonzero((sections.shape == SHAPES.index(shape)) & (even > 1))
         if members.size:
-            some = n[..., members], bent_y[..., members], bent_z[..., members]
+            some = np.maximum(n[..., members], 0.0), bent_y[..., members], bent_z[..., members]
             found[..., members] = judged(*some, sections.take(members), grade)
     tubes = sections.shape == SHAPES.index("chs")
     found[..., tubes] = even[tubes]

@@ -127,9 +127,9 @@ def _exceeded(x: Vector, a: Vector, y: Vector, b: Vector) -> Vector:
     Newton's method for 1/u: the sum is convex in it, so one step from below leads above and the
     others down to it.
     """
-    scale = np.maximum(np.maximum(x, y), 1e-300)
-    x, y = x / scale, y / scale
-    inverse = 1.0 / np.maximum(x + y, 1e-300)
+    scale = np.maximum(np.maximum(x, y), 1e-12)
+    x, y = np.maximum(x / scale, 1e-9), np.maximum(y / scale, 1e-9)
+    inverse = 1.0 / (x + y)
     for _ in range(_STEPS):
         first, second = (x * inverse) ** a, (y * inverse) ** b
         inverse = inverse * (1.0 - (first + second - 1.0) / (a * first + b * second))

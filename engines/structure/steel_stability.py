@@ -35,8 +35,11 @@ def lateral_reduction_factor(slenderness: ArrayLike, imperfection: Vector | floa
 
 def critical_force(rigidity: ArrayLike, length: ArrayLike) -> Vector:
     """Euler's load π²EI/L² in N; infinite where the length is 0."""
-    with np.errstate(divide="ignore"):
-        return np.pi**2 * np.asarray(rigidity) / np.square(length)
+    length = np.asarray(length, dtype=np.float64)
+    held = length <= 0.0
+    return np.where(
+        held, np.inf, np.pi**2 * np.asarray(rigidity) / np.where(held, 1.0, length) ** 2
+    )
 
 
 def warping_constant(sections: Sections) -> Vector:
@@ -53,7 +56,6 @@ def critical_moment(sections: Sections, grade: Grade, length: Vector) -> Vector:
     """
     lateral = critical_force(grade.youngs * sections.inertia_z, length)
     warping = critical_force(grade.youngs * warping_constant(sections), length)
-    warping[~(length > 0)] = 0.0
     return np.sqrt(lateral * (grade.shear * sections.torsion + warping))
 
 
@@ -61,7 +63,6 @@ def critical_torsion(sections: Sections, grade: Grade, length: Vector) -> Vector
     """N_cr,T (M,) in N of torsional buckling, EN 1993-1-1 6.3.1.4: (GJ + π²EI_w/L²)/i₀²."""
     polar = (sections.inertia_y + sections.inertia_z) / sections.area
     warping = critical_force(grade.youngs * warping_constant(sections), length)
-    warping[~(length > 0)] = np.inf
     return (grade.shear * sections.torsion + warping) / polar
 
 

@@ -53,18 +53,21 @@ def _save_members(path: Path, result: "Sized") -> None:
 
 
 def _save_cutting(path: Path, result: "Sized") -> None:
-    """Members of one section and length, to the millimetre, are one line."""
+    """Members of one section and length, to the millimetre, are one line; the lightest first."""
     rows = result.rows
     length = np.round(rows["length"] / _ROUNDED).astype(int)
-    keys = np.rec.fromarrays([rows["grade"], rows["name"], length], names="grade,name,length")
-    pieces, first, count = np.unique(keys, return_index=True, return_counts=True)
+    keys = np.rec.fromarrays(
+        [rows["grade"], np.round(rows["area"], 9), rows["name"], length],
+        names="grade,area,name,length",
+    )
+    pieces, which = np.unique(keys, return_inverse=True)
     columns = {
         "Grade": pieces["grade"],
         "Section": pieces["name"],
         "Length (m)": pieces["length"] * _ROUNDED,
-        "Pieces": count,
-        "Total length (m)": pieces["length"] * _ROUNDED * count,
-        "Total mass (kg)": rows["mass"][first] * count,
+        "Pieces": np.bincount(which),
+        "Total length (m)": np.bincount(which, rows["length"]),
+        "Total mass (kg)": np.bincount(which, rows["mass"]),
     }
     save_csv(path, columns, {"title": "Cutting list"})
 

@@ -8,6 +8,7 @@ from .checking import Checked, Demand
 from .grade import Grade
 from .sections import SHAPES, Sections
 from .steel_demand import Forces, forces_of, worst_of_checks
+from .steel_resistance import shear_areas
 from .steel_stability import (
     IMPERFECTION,
     critical_force,
@@ -41,12 +42,13 @@ def check_thesis(
     author published: the utilisation is that of EN 1993-1-1, elastic, with flexural and
     lateral-torsional buckling, Annex B (method 2) with C_my, C_mz and C_mLT of Table B.3 for
     uniform loads “limited to 0.9”, read here as capped (``most_moment_factor``; the author quotes
-    0.95 from version 1.3, which 1.0 gives), and shear on the areas that also deform in shear.
+    0.95 from version 1.3, which 1.0 gives).
 
     Assumed: classes 3 and 4 of Tables B.1 and B.2 for k, hollow sections of buckling curve a
     (hot-finished) that do not buckle laterally, solid rectangles of curve c and, laterally,
     of curve d from M_cr under uniform moment; linear sums of stresses for members in tension and
-    for cross-sections; shear along y and z and torsion summed. Karamba3D checks no timber code.
+    for cross-sections; shear along y and z on the areas of 6.2.6(3), summed with torsion.
+    Karamba3D checks no timber code.
 
     At given forces, the utilisation falls as a section of one width and thickness grows higher:
     nothing jumps, and even lateral buckling leaves a higher rectangle the stronger.
@@ -112,7 +114,8 @@ def _strength_of(grade: Grade) -> float:
 def _shear(forces: Forces, sections: Sections, strength: float) -> Vector:
     """The share of the shear stress f_y/√3 that shear along y and z and torsion use (K, S, M)."""
     stress = strength / np.sqrt(3.0)
-    used = forces.shear_y / (sections.shear_y * stress)
-    used += forces.shear_z / (sections.shear_z * stress)
+    area_y, area_z = shear_areas(sections)
+    used = forces.shear_y / (area_y * stress)
+    used += forces.shear_z / (area_z * stress)
     used += forces.torsion / (sections.torsion_modulus * stress)
     return used

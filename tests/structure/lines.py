@@ -44,7 +44,9 @@ def loads_of(frame, nodal=None, line=None, gravity=(0.0, 0.0, 0.0)):
 
 def portal(fixed, height=1.0, count=1):
     """Two columns and a beam as long, in the plane of x and z, every member in ``count`` pieces."""
-    corners = np.array([(0, 0, 0), (0, 0, height), (height, 0, height), (height, 0, 0)], dtype=float)
+    corners = np.array(
+        [(0, 0, 0), (0, 0, height), (height, 0, height), (height, 0, 0)], dtype=float
+    )
     nodes = [corners[0]]
     for start, end in zip(corners[:-1], corners[1:], strict=True):
         nodes += [start + (k + 1) / count * (end - start) for k in range(count)]

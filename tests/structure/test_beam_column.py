@@ -59,7 +59,12 @@ def test_members_move_as_the_differential_equations_say(force):
     def change(x, y):  # w, ψ, M, R
         deflection, turn, moment, across = y
         slope = (across + shear * turn) / (shear + force)
-        return [slope, moment / stiff, -shear * (slope - turn), -first - (last - first) * x / length]
+        return [
+            slope,
+            moment / stiff,
+            -shear * (slope - turn),
+            -first - (last - first) * x / length,
+        ]
 
     def apart(a, b):
         return [a[0] - start, a[1] - start_turn, b[0] - end, b[1] - end_turn]
@@ -96,9 +101,13 @@ def test_the_stiffness_is_symmetric_and_runs_smoothly_into_taut_members():
     for force in (-1.0, 10.0, 30.0, 100.0, 300.0, 1e4, 1e6):
         columns = BeamColumns(rigidities, lengths, np.full(MEMBERS, force))
         matrix = columns.stiffness()
-        assert matrix == pytest.approx(matrix.transpose(0, 2, 1), rel=1e-12, abs=1e-12 * matrix.max())
+        assert matrix == pytest.approx(
+            matrix.transpose(0, 2, 1), rel=1e-12, abs=1e-12 * matrix.max()
+        )
     edge = 4 * 25 * (rigidities.bending_y / lengths**2)[0]
-    sides = [BeamColumns(rigidities, lengths, np.full(MEMBERS, edge * f)) for f in (0.999999, 1.000001)]
+    sides = [
+        BeamColumns(rigidities, lengths, np.full(MEMBERS, edge * f)) for f in (0.999999, 1.000001)
+    ]
     below, above = (side.stiffness() for side in sides)
     assert below == pytest.approx(above, rel=2e-6)
     below, above = (side.equivalent_loads(line) for side in sides)

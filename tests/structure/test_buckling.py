@@ -36,7 +36,9 @@ def column(ends, count=1, **how):
 def test_a_divided_column_comes_to_eulers_load_with_the_fourth_power(ends):
     frame, stiff, response = column(ends)
     truth = EULER * ENDS[ends][2]
-    away = [buckling_factors(frame, stiff, response, 1, pieces=n)[0][0] / truth - 1 for n in (4, 8, 16)]
+    away = [
+        buckling_factors(frame, stiff, response, 1, pieces=n)[0][0] / truth - 1 for n in (4, 8, 16)
+    ]
     assert 0 < away[2] < 4e-5
     assert away[0] / away[1] == pytest.approx(16, rel=0.2)
     assert away[1] / away[2] == pytest.approx(16, rel=0.1)
@@ -45,7 +47,10 @@ def test_a_divided_column_comes_to_eulers_load_with_the_fourth_power(ends):
 def test_four_pieces_are_as_good_as_promised():
     for ends, promised in (("hinged", 1e-3), ("clamped", 8e-3)):
         frame, stiff, response = column(ends)
-        assert buckling_factors(frame, stiff, response, 1)[0][0] < (1 + promised) * EULER * ENDS[ends][2]
+        assert (
+            buckling_factors(frame, stiff, response, 1)[0][0]
+            < (1 + promised) * EULER * ENDS[ends][2]
+        )
 
 
 def test_members_drawn_in_pieces_buckle_like_members_divided():
@@ -57,7 +62,9 @@ def test_members_drawn_in_pieces_buckle_like_members_divided():
 def test_a_portal_of_equal_members_buckles_sideways_at_the_known_load(fixed, truth):
     frame = portal(fixed)
     stiff = rigid(3, stiff=0.5, axial=1e9)  # 1 N·m² in its plane, which is about local z
-    response = solve_frame(frame, stiff, loads_of(frame, {1: (0, 0, -1, 0, 0, 0), 2: (0, 0, -1, 0, 0, 0)}))
+    response = solve_frame(
+        frame, stiff, loads_of(frame, {1: (0, 0, -1, 0, 0, 0), 2: (0, 0, -1, 0, 0, 0)})
+    )
     modes = buckling_modes(frame, stiff, response, 1, pieces=8)
     assert modes.values[0] == pytest.approx(truth, rel=2e-5)
     sway = modes.nodes[0, :, 0]

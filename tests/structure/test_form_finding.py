@@ -182,3 +182,10 @@ def test_a_net_without_a_free_node_is_refused():
 def test_area_loads_without_cells_are_refused():
     with pytest.raises(SceneError, match="no cells for its load"):
         found_form(chain(), FormFinding(shape="hanging", held="supports"))
+
+
+def test_an_upright_surface_is_not_bent_by_a_load_in_plan():
+    flat = waffle(4, 4)
+    upright = replace(flat.frame, nodes=flat.frame.nodes[:, [0, 2, 1]])
+    with pytest.raises(SceneError, match="does not bend the net"):
+        found_form(replace(flat, frame=upright), FormFinding(shape="standing"))

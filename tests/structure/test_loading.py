@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from heliform.engines.core.errors import ParameterError, SceneError
+from heliform.engines.structure.frame import Rigidities
+from heliform.engines.structure.linear import solve_frame
 from heliform.engines.structure.loading import FACADE_LOADING, Loading, loads_of, resultants
 from heliform.engines.structure.loads import GRAVITY
 from structure.waffles import model, prism, waffle
@@ -92,3 +94,19 @@ def test_a_load_on_a_surface_without_cells_is_refused():
 
 def test_the_action_of_the_area_load_is_the_users():
     assert loads_of(DOME, Loading(area_action="snow")).actions[1] == "snow"
+
+
+@pytest.mark.parametrize("made", [DOME, prism(8)], ids=["dome", "tower"])
+def test_supports_react_to_every_newton_and_its_moment(made):
+    record = Loading(wind=900.0, cladding=300.0, area_from="surface", wind_method="normal")
+    loads = loads_of(made, record)
+    ones = np.ones(len(made.frame.members))
+    frame = made.frame
+    rigidities = Rigidities(
+        1e9 * ones, 1e8 * ones, 1e7 * ones, 1e7 * ones, 1e9 * ones, 1e9 * ones, 40 * ones, ones
+    )
+    reactions = solve_frame(frame, rigidities, loads).reactions
+    moment = np.cross(frame.nodes, reactions[..., :3]) + reactions[..., 3:]
+    found = np.concatenate([reactions[..., :3], moment], axis=-1).sum(axis=1)
+    expected = -resultants(frame, loads, rigidities.mass)
+    assert found == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())

@@ -76,7 +76,12 @@ def w14(shear):
 
 @pytest.mark.parametrize(
     ("axial", "moment", "deflection", "without"),
-    [(0, 235, 0.202, 0.197), (150, 270, 0.230, 0.224), (300, 316, 0.269, 0.261), (450, 380, 0.322, 0.311)],
+    [
+        (0, 235, 0.202, 0.197),
+        (150, 270, 0.230, 0.224),
+        (300, 316, 0.269, 0.261),
+        (450, 380, 0.322, 0.311),
+    ],
 )
 def test_the_beam_column_of_aisc_benchmark_1_needs_one_member(axial, moment, deflection, without):
     frame = line_of(1, (0, 1, 2, 5), (0, 1), FEET * INCH)
@@ -94,7 +99,12 @@ def test_the_beam_column_of_aisc_benchmark_1_needs_one_member(axial, moment, def
 
 @pytest.mark.parametrize(
     ("axial", "moment", "deflection", "without"),
-    [(0, 336, 0.907, 0.901), (100, 470, 1.34, 1.33), (150, 601, 1.77, 1.75), (200, 856, 2.60, 2.56)],
+    [
+        (0, 336, 0.907, 0.901),
+        (100, 470, 1.34, 1.33),
+        (150, 601, 1.77, 1.75),
+        (200, 856, 2.60, 2.56),
+    ],
 )
 def test_the_cantilever_of_aisc_benchmark_2_needs_one_member(axial, moment, deflection, without):
     frame = line_of(1, length=FEET * INCH)
@@ -195,9 +205,13 @@ def test_without_axial_force_and_under_little_load_it_is_first_order():
     x = np.linspace(0, 1, 5)
     assert little.displacements * 1e6 == pytest.approx(first.displacements, rel=1e-5, abs=1e-12)
     forces = first.forces(x)
-    assert little.forces(x) * 1e6 == pytest.approx(forces, rel=1e-5, abs=1e-6 * np.abs(forces).max())
+    assert little.forces(x) * 1e6 == pytest.approx(
+        forces, rel=1e-5, abs=1e-6 * np.abs(forces).max()
+    )
     swept = first.deflections(x)
-    assert little.deflections(x) * 1e6 == pytest.approx(swept, rel=1e-5, abs=1e-6 * np.abs(swept).max())
+    assert little.deflections(x) * 1e6 == pytest.approx(
+        swept, rel=1e-5, abs=1e-6 * np.abs(swept).max()
+    )
 
 
 def test_each_combination_is_solved_for_itself():

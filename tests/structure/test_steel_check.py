@@ -1,4 +1,4 @@
-"""Steel members against published examples, the code's own formulas, another program, and themselves."""
+"""Steel members against published examples, the code's formulas, another program, themselves."""
 
 import numpy as np
 import pytest
@@ -75,7 +75,7 @@ def test_shear_and_torsion_of_the_square_hollow_section():
     assert used(checked, "Torsion, EN") == pytest.approx(0.3)
     assert used(checked, "Shear along z") == pytest.approx(0.7)
     assert used(checked, "Shear along y") == pytest.approx(0.3)
-    assert twist == pytest.approx(2 * 0.1437**2 * 0.0063 * STRENGTH / np.sqrt(3), rel=0.05)
+    assert SHS.torsion_modulus[0] == pytest.approx(240e-6, rel=5e-3)  # C_t of EN 10210-2
 
 
 # --- the code's formulas, at their limits -------------------------------------------------------
@@ -238,15 +238,15 @@ def test_beam_columns_of_boxes_are_those_of_eurocodepy(length, thickness, grade)
     """In-plane and, since it takes k_zz and k_zy of class 3 of other rows, no further."""
     uls = pytest.importorskip("eurocodepy.ec3.uls")
     section = rectangular_hollow(0.2, 0.12, thickness)
-    given = demand(length, N=-150e3, My=np.linspace(20e3, 5e3, 5))
+    given = demand(length, N=-350e3, My=np.linspace(10e3, 2.5e3, 5))
     checked = check_steel(given, section, grade)
     plastic = thickness == 0.008
     assert checked.section_class[0] == (1 if plastic else 4)
     left = effective_sections(section, grade)
     theirs = uls.eurocode3_member_check(
         uls.MemberInput(
-            n_ed=150.0,
-            my_ed=20.0,
+            n_ed=350.0,
+            my_ed=10.0,
             area=section.area[0] * 1e6,
             area_eff=left.area[0] * 1e6,
             w_y=(section.plastic_y if plastic else left.modulus_y)[0] * 1e9,
@@ -325,18 +325,23 @@ def test_y_and_z_of_a_square_section_are_alike():
         for first, second in ((NAMES[1], NAMES[2]), (NAMES[7], NAMES[8])):
             a, b = NAMES.index(first), NAMES.index(second)
             order[a], order[b] = b, a
-        assert other.utilisation[order] == pytest.approx(one.utilisation)
+        # Table B.1 has 0.8 k_yy for classes 3 and 4, but k_zz whole.
+        plastic = one.section_class <= 2
+        assert plastic.sum() > 40
+        assert other.utilisation[order][:, plastic] == pytest.approx(one.utilisation[:, plastic])
+        assert other.utilisation[:7].max(axis=0) == pytest.approx(one.utilisation[:7].max(axis=0))
+        assert (other.section_class == one.section_class).all()
 
 
 def test_a_box_turned_by_a_quarter_is_the_same():
     given = random_demand(11, 100)
     given = Demand(given.forces, *(given.lengths,) * 4)
     sides = np.random.default_rng(12).uniform(0.1, 0.5, (2, 100))
-    one = check_steel(given, rectangular_hollow(sides[0], sides[1], 0.008), STRONG)
+    one = check_steel(given, rectangular_hollow(sides[0], sides[1], 0.012), STRONG)
     turned = Demand(given.forces[..., [0, 2, 1, 3, 5, 4]], *(given.lengths,) * 4)
-    other = check_steel(turned, rectangular_hollow(sides[1], sides[0], 0.008), STRONG)
-    held = one.utilisation[6] + other.utilisation[6] == 0
-    assert held.sum() > 50
+    other = check_steel(turned, rectangular_hollow(sides[1], sides[0], 0.012), STRONG)
+    held = (one.utilisation[6] + other.utilisation[6] == 0) & (one.section_class <= 2)
+    assert held.sum() > 30
     order = [0, 2, 1, 3, 4, 5, 6, 8, 7, 9]
     assert other.utilisation[order][:, held] == pytest.approx(one.utilisation[:, held])
     assert (other.section_class == one.section_class).all()
