@@ -24,9 +24,9 @@ MODULES: Final = (
     "panels.scene",
     "panels.glass",
     "panels.printing",
+    "panels.structure",
     "panels.light",
     "panels.scan",
-    "panels.structure",
 )
 
 

@@ -101,10 +101,9 @@ def rebuild(obj: bpy.types.Object, scene: bpy.types.Scene, *, anew: bool = False
         if obj.data.users > 1:
             obj.data = obj.data.copy()
         record = record_of(obj, scene)
-        if own.live or obj.session_uid not in _last:
-            _show(
-                obj, design(record, scene_of(obj, scene), start=_last.get(obj.session_uid)), scene
-            )
+        if own.live or anew:
+            start = None if anew else _last.get(obj.session_uid)
+            _show(obj, design(record, scene_of(obj, scene), start=start), scene)
         _place_handles(obj, record, scene)
     except HeliformError as error:
         problem = str(error)

@@ -4,10 +4,10 @@
         [--processes 2] [--out out/bench]
 
 Each design of a square shallow grid shell, held at its corners, has its own sections and its own
-nodes, and bears its weight, loads along its members and on its nodes. BLAS runs on one thread. Times
-with several processes are whole: from the call to the last summary, starting them included, and
-again less the time of an empty start. `gradient` is the compliance's by all rigidities and all nodes
-of one design, when it is solved.
+nodes, and bears its weight, loads along its members and on its nodes. BLAS runs on one thread.
+`processor` is the processor's time for a design, which other work on the machine hardly changes.
+`with all` processes is from the call to the last summary, `when started` leaves out what starting
+them takes. `gradient` is the compliance's by all rigidities and all nodes of a design once solved.
 """
 
 import argparse
@@ -18,14 +18,14 @@ from pathlib import Path
 
 os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
-import numpy as np  # noqa: E402
-from _shared import OUT, save, table  # noqa: E402
-from heliform.engines.structure.assembly import pattern_of  # noqa: E402
-from heliform.engines.structure.batch import Design, solve_batch  # noqa: E402
-from heliform.engines.structure.frame import Frame, Rigidities  # noqa: E402
-from heliform.engines.structure.gradient import compliance_gradient  # noqa: E402
-from heliform.engines.structure.linear import factorise, solve_system  # noqa: E402
-from heliform.engines.structure.loads import GRAVITY, Loads  # noqa: E402
+import numpy as np
+from _shared import OUT, save, table
+from heliform.engines.structure.assembly import pattern_of
+from heliform.engines.structure.batch import Design, solve_batch
+from heliform.engines.structure.frame import Frame, Rigidities
+from heliform.engines.structure.gradient import compliance_gradient
+from heliform.engines.structure.linear import factorise, solve_system
+from heliform.engines.structure.loads import GRAVITY, Loads
 
 MEMBERS = [600, 1250, 5000]
 SPAN, RISE = 30.0, 3.0
@@ -110,7 +110,9 @@ def measure(members: int, count: int, seconds: float, processes: int) -> dict:
     one = designs_of(frame, 1)
     each = fastest(lambda: solve_batch(frame, one, loads, pattern))
     designs = designs_of(frame, max(2 * processes, round(seconds / each)))
+    began = time.process_time()
     alone = fastest(lambda: solve_batch(frame, designs, loads, pattern), 2)
+    busy = (time.process_time() - began) / (2 * len(designs))
     empty = fastest(lambda: solve_batch(frame, designs[:2], loads, processes=2), 2)
     together = fastest(lambda: solve_batch(frame, designs, loads, processes=processes), 2)
     system = factorise(frame, one[0][1], pattern)
@@ -122,6 +124,7 @@ def measure(members: int, count: int, seconds: float, processes: int) -> dict:
         "factorise": fastest(lambda: factorise(frame, one[0][1], pattern)) * 1e3,
         "solve": fastest(lambda: solve_system(system, loads)) * 1e3,
         "gradient": fastest(lambda: compliance_gradient(system, response, loads)) * 1e3,
+        "processor": busy * 1e3,
         "designs": len(designs),
         "a second": len(designs) / alone,
         "with all": len(designs) / together,

@@ -19,6 +19,7 @@ from . import results, shading
 
 VALUES, COLOURS = "Heliform values", "Heliform colours"
 _LAYER, _VIEWS = "heliform_layer", "heliform_views"
+_LINES = ("show_outline_selected", "show_relationship_lines")
 ON_VERTICES, IN_TEXELS = ["VERTEX", "STUDIO"], ["TEXTURE", "STUDIO"]
 """The colours and the light of Solid shading that show a layer."""
 
@@ -122,10 +123,11 @@ def show_in_views(context: bpy.types.Context, look: list[str] = ON_VERTICES) -> 
         for index, view in _views(screen):
             if view.shading.type == "SOLID" and _look(view) != look:
                 if _look(view) not in (ON_VERTICES, IN_TEXELS):
-                    kept[index] = [*_look(view), view.overlay.show_outline_selected]
+                    kept[index] = [*_look(view), *(getattr(view.overlay, n) for n in _LINES)]
                 view.shading.color_type, view.shading.light = look
-                if look == IN_TEXELS:  # what is slender would drown in its outline
-                    view.overlay.show_outline_selected = False
+                if look == IN_TEXELS:  # what is slender would drown in lines
+                    for name in _LINES:
+                        setattr(view.overlay, name, False)
         screen[_VIEWS] = json.dumps(kept)
 
 
@@ -138,7 +140,8 @@ def restore_views(context: bpy.types.Context) -> None:
         for index, view in _views(screen):
             if index in kept and _look(view) in (ON_VERTICES, IN_TEXELS):
                 view.shading.color_type, view.shading.light = kept[index][:2]
-                view.overlay.show_outline_selected = kept[index][2]
+                for name, value in zip(_LINES, kept[index][2:], strict=True):
+                    setattr(view.overlay, name, value)
 
 
 def _views(screen: bpy.types.Screen) -> list[tuple[str, bpy.types.SpaceView3D]]:

@@ -17,7 +17,7 @@ from ...engines.structure.drawn import (
     worst_displacement,
 )
 from ...engines.structure.fins import deformed, member_solids
-from ...engines.structure.joints import Joint
+from ...engines.structure.joints import Joint, node_normals
 from ...engines.structure.member_texture import image_of, layout_of
 from ...engines.structure.sized import Sized
 from . import layers, results
@@ -40,7 +40,8 @@ CHANNELS = {
 }
 """The float images, and what is in their red, green and blue."""
 
-STATIONS = 5
+STATIONS, CROSSES = 5, 3
+"""Values along a member, and the cross-sections that its solid has."""
 _FAILING, _STEEL, _TIMBER = (214, 39, 40), (70, 130, 190), (222, 166, 74)
 _UV, _MEMBER = "Heliform", "member"
 _DISPLACED = "Displaced"
@@ -67,7 +68,8 @@ def stage_members(obj: bpy.types.Object, sized: Sized, joint: Joint, scale: floa
 def _draw_solids(obj: bpy.types.Object, sized: Sized, joint: Joint, scale: float) -> None:
     """Each member with its place in the pictures, and, as a shape key, where it is displaced to."""
     frame, layout = sized.model.frame, layout_of(len(sized.rows), STATIONS)
-    fins = member_solids(frame, drawn_sections(sized), joint, STATIONS, layout)
+    normals = node_normals(frame, sized.model.cells)
+    fins = member_solids(frame, drawn_sections(sized), joint, CROSSES, layout, normals)
     key = obj.data.shape_keys and obj.data.shape_keys.key_blocks.get(_DISPLACED)
     amount = key.value if key else 0.0
     if obj.data.shape_keys and len(obj.data.vertices) != len(fins.mesh.vertices):
@@ -78,7 +80,7 @@ def _draw_solids(obj: bpy.types.Object, sized: Sized, joint: Joint, scale: float
     member = block.attributes.get(_MEMBER) or block.attributes.new(_MEMBER, "INT", "FACE")
     member.data.foreach_set("value", fins.member)
     worst = worst_displacement(sized)
-    bent, turns = bent_members(frame, worst, np.linspace(0.0, 1.0, STATIONS))
+    bent, turns = bent_members(frame, worst, np.linspace(0.0, 1.0, CROSSES))
     moved = deformed(fins, frame, bent, turns, exaggeration(sized))
     keys = block.shape_keys.key_blocks if block.shape_keys else {}
     for name, places in (("Basis", fins.mesh.vertices), (_DISPLACED, moved)):

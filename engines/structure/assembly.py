@@ -69,7 +69,7 @@ class Pattern:
         """Values (n, C) of the unknowns as those of all freedoms (C, N, 6), zero where held."""
         whole = np.zeros((values.shape[1], self.freedoms))
         whole[:, self.free] = values.T
-        return whole.reshape(values.shape[1], -1, 6)
+        return whole.reshape(values.shape[1], self.freedoms // 6, 6)
 
     def gathered(self, values: Vector) -> Vector:
         """Values (C, N, 6) of all freedoms as those of the unknowns (n, C)."""

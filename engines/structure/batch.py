@@ -3,6 +3,7 @@
 import tempfile
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, fields, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -32,9 +33,9 @@ class Summary:
     """What matters of one design of M members under C load cases.
 
     ``failure``: why it could not be solved, in a sentence; all else is NaN then. "" where it could.
-    ``mass`` of the members in kg; ``deflection`` (C,) in m: the greatest displacement of a node, and
-    ``node`` (C,): which; ``least`` and ``greatest`` (M, 6) in N and N·m: section forces over all
-    cases at STATIONS, as `Demand.forces`; ``imbalance`` (C,): as of a Response.
+    ``mass`` of the members in kg; ``deflection`` (C,) in m: the greatest displacement of a node,
+    and ``node`` (C,): which; ``least`` and ``greatest`` (M, 6) in N and N·m: section forces over
+    all cases at STATIONS, as `Demand.forces`; ``imbalance`` (C,): as of a Response.
     """
 
     failure: str
@@ -67,7 +68,7 @@ def solve_batch(
 
 
 def solve_share(folder: str, span: Sequence[int]) -> NDArray[Any]:
-    """The summaries of designs ``span`` (first, last + 1) that `solve_batch` put into ``folder``."""
+    """The summaries (D,) of designs ``span`` (first, last + 1) of those in ``folder``, as rows."""
     frame, loads, pattern = _unpacked(folder)
     nodes = np.load(Path(folder) / "nodes.npy", mmap_mode="r")[slice(*span)]
     rigidities = np.load(Path(folder) / "rigidities.npy", mmap_mode="r")[slice(*span)]
@@ -93,8 +94,8 @@ def _summary(frame: Frame, design: Design, loads: Loads, pattern: Pattern) -> Su
         float(rigidities.mass @ response.lengths),
         moved.max(axis=1),
         moved.argmax(axis=1).astype(np.int32),
-        forces.min(axis=(0, 2)),
-        forces.max(axis=(0, 2)),
+        forces.min(axis=0).min(axis=1),
+        forces.max(axis=0).max(axis=1),
         response.imbalance,
     )
 
@@ -124,7 +125,7 @@ def _shared(frame: Frame, designs: Sequence[Design], loads: Loads, processes: in
     """The summaries, worked out by several processes that read the designs from a folder."""
     count = len(designs)
     edges = np.linspace(0, count, min(count, _SHARES * processes) + 1).astype(int).tolist()
-    tasks = list(zip(edges[:-1], edges[1:], strict=True))
+    tasks = list(pairwise(edges))
     parts: list[NDArray[Any]] = [np.zeros(0)] * len(tasks)
     with tempfile.TemporaryDirectory(prefix="heliform-batch-") as folder:
         _pack(Path(folder), frame, designs, loads)

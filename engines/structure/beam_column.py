@@ -1,9 +1,10 @@
 """Members under a steady axial force: how they bend, exactly, by second-order theory.
 
-In each plane EI ψ″ + GA_s (w′ − ψ) = 0 and R′ = −q, where R = GA_s (w′ − ψ) + N w′ is the force across
-the undeformed axis [Engesser 1891; Timoshenko and Gere 1961, ch. 1 and 2]. With η = GA_s ÷ (GA_s + N)
-and k² = −η N ÷ EI all of it is made of Stumpff's functions of k²x²: one formula for tension,
-compression and neither. x runs from the middle, where even and odd parts of the motion part.
+In each plane EI ψ″ + GA_s (w′ − ψ) = 0 and R′ = −q, where R = GA_s (w′ − ψ) + N w′ is the force
+across the undeformed axis [Engesser 1891; Timoshenko and Gere 1961, ch. 1 and 2]. With
+η = GA_s ÷ (GA_s + N) and k² = −η N ÷ EI all of it is made of Stumpff's functions of k²x²: one
+formula for tension, compression and neither. x runs from the middle, where the even and the odd
+part of the motion have nothing to do with each other.
 """
 
 from collections.abc import Iterator
@@ -138,7 +139,7 @@ class Flexure:
         return np.stack(columns, axis=-1)
 
     def motion(self, ends: Ends, start: Vector, end: Vector) -> "Motion":
-        """The motion that has these ``ends`` under a load in N/m linear from start to end (…, M)."""
+        """The motion with these ``ends`` under a load in N/m, linear from start to end (…, M)."""
         half = self.lengths / 2
         at = self.functions(half)
         eta, share, slip = self.eta, self.eta / self.bending, self.slip

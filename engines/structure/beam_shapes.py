@@ -1,4 +1,4 @@
-"""How a member moves between its ends: shape functions of a Timoshenko beam, and what they add up to.
+"""How a member moves between its ends: shape functions of a Timoshenko beam and their integrals.
 
 Where no load acts between the ends they are exact [Friedman and Kosmatka 1993].
 """
@@ -9,8 +9,8 @@ from ..core.scene import Vector
 from .frame import Rigidities
 
 PLANES = ((1, 5, 7, 11, 1.0), (2, 4, 8, 10, -1.0))
-"""The end freedoms that bend a member, along y and along z: deflection and rotation at the start, the
-same at the end, and the sign of the rotation that follows a rising deflection."""
+"""The end freedoms that bend a member, along y and along z: deflection and rotation at the start,
+the same at the end, and the sign of the rotation that follows a rising deflection."""
 
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 _STATIONS, _WEIGHTS = (_POINTS + 1) / 2, _WEIGHTS / 2

@@ -40,7 +40,7 @@ def sections_at(task: Task, places: Index) -> Index:
 
 
 def places_from(task: Task, start: Index | None) -> Index:
-    """Where each slot begins in its menu (G,): at ``start`` (M,) where that is on it, else midway."""
+    """Where each slot begins (G,): at ``start`` (M,) where that is on its menu, else midway."""
     places = np.array([len(menu.order) // 2 for menu in task.menus])[task.menu]
     if start is None:
         return places

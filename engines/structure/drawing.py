@@ -102,7 +102,7 @@ def lines_image(lines: Vector, colours: Colours, heights: Vector) -> Image.Image
     for index in np.argsort(lines[..., 2].mean(axis=1), kind="stable"):
         (x, y), (to_x, to_y) = at[index].tolist()
         red, green, blue = colours[index].tolist()
-        pen.line((x, y, to_x, to_y), (red, green, blue), round(thick[index]))
+        pen.line((x, y, to_x, to_y), (red, green, blue), round(float(thick[index])))
     return page.reduce(_FINE)
 
 

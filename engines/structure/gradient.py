@@ -22,7 +22,7 @@ class Gradient:
     """Derivatives of one number J on a frame of N nodes and M members.
 
     ``rigidities``: ∂J/∂ each of the members' rigidities, in units of J over theirs; ``nodes``
-    (N, 3): ∂J/∂ the nodes' positions, in units of J per m, with members' lengths and axes following.
+    (N, 3): ∂J/∂ the nodes' positions, in units of J per m; members' lengths and axes follow.
     """
 
     rigidities: Rigidities

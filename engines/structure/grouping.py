@@ -82,7 +82,7 @@ def few_sizes(cost: Vector, count: int) -> Index:
 
 
 def _kept(task: Task, chosen: Chosen, offered: Index, number: int, count: int) -> Index:
-    """The sections out of those ``offered`` that the menu of that ``number`` keeps, in its order."""
+    """The sections of those ``offered`` that the menu of that ``number`` keeps, in its order."""
     menu = task.menus[number]
     members = np.flatnonzero(task.menu[task.slot] == number)
     if not members.size:

@@ -137,7 +137,7 @@ def solve_system(system: System, loads: Loads, *, tolerance: float = TOLERANCE) 
         residual = np.where(frame.held, 0.0, lacking - given)
         imbalance = _greatest(members, residual) / load
         before, worst = worst, imbalance.max(initial=0.0)
-        if worst <= tolerance or worst > _GAIN * before:
+        if worst <= tolerance or not worst <= _GAIN * before:
             break
         right, free = -residual, np.zeros_like(equivalent)
     return Response(
@@ -164,7 +164,7 @@ def at_nodes(frame: Frame, ends: Vector) -> Vector:
     cases, count = len(ends), 6 * len(frame.nodes)
     place = (6 * frame.members.astype(np.intp)[:, :, None] + np.arange(6)).ravel()
     place = (place + count * np.arange(cases)[:, None]).ravel()
-    return np.bincount(place, ends.ravel(), cases * count).reshape(cases, -1, 6)
+    return np.bincount(place, ends.ravel(), cases * count).reshape(cases, len(frame.nodes), 6)
 
 
 def _check_loads(frame: Frame, loads: Loads) -> None:
@@ -194,7 +194,7 @@ def _greatest(members: Members, forces: Vector) -> Vector:
     """The greatest of forces and moments (C, …, 6) of each case (C,), moments over lengths."""
     size = float(members.coefficients.lengths.mean())
     most = np.abs(forces).max(axis=1, initial=0.0)
-    most = most.reshape(len(forces), -1, 2, 3).max(axis=(1, 3), initial=0.0)
+    most = most.reshape(len(forces), forces.shape[2] // 6, 2, 3).max(axis=(1, 3))
     return np.maximum(most[:, 0], most[:, 1] / size)
 
 

@@ -5,9 +5,10 @@ each plane a bow, where the ends turn against each other, and a wave, where they
 """
 
 from dataclasses import dataclass, fields
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.scene import Vector
 from .beam_shapes import PLANES
@@ -23,7 +24,7 @@ _BENDING = (("bending_z", "shear_y"), ("bending_y", "shear_z"))
 
 @dataclass(frozen=True)
 class MemberWork:
-    """M members of a frame that move by u, and by λ, under C load cases of which a ``share`` counts.
+    """M members that move by u, and by λ, under C load cases of which a ``share`` a counts.
 
     ``u`` and ``by`` λ (C, M, 12): displacements of the ends, local axes; ``apart_u`` and
     ``apart_by``: what of it released ends move by themselves, which stays along the member's axes
@@ -79,18 +80,15 @@ class MemberWork:
             (line, self.share * self._carried(length)),
         )
         # Axes that turn by ω take ω × v from the local components of every vector v
-        turning = -sum(
-            np.cross(v.reshape(len(v), -1, k, 3), g.reshape(len(g), -1, k, 3)).sum(axis=(0, 2))
-            for (v, g), k in zip(pairs, (4, 4, 2), strict=True)
-        )
+        turning = -np.sum([_moment(vectors, slopes) for vectors, slopes in pairs], axis=0)
         x, y, z = self.axes.transpose(1, 0, 2)
         normals = _normals(self.frame, self.axes)
         roll = np.einsum("mi,mi->m", x, normals) / np.einsum("mi,mi->m", z, normals)
-        longer = self._work(length + 1j * _STEP).imag / _STEP
+        longer = np.imag(self._work(length + 1j * _STEP)) / _STEP
         aside = (turning[:, 2] + roll * turning[:, 0]) / length
         return longer[:, None] * x + aside[:, None] * y - (turning[:, 1] / length)[:, None] * z
 
-    def _work(self, length: Vector) -> Vector:
+    def _work(self, length: NDArray[Any]) -> NDArray[Any]:
         """λᵀ(a f − K u) of members (M,) so long, their ends moving as they do in local axes."""
         r = self.rigidities
         u, by = _strains(self.u, length), _strains(self.by, length)
@@ -104,7 +102,7 @@ class MemberWork:
             work = work - stiff / length * (4 * _sum(u.bow[plane], by.bow[plane]) + waved)
         return work
 
-    def _carried(self, length: Vector) -> Vector:
+    def _carried(self, length: NDArray[Any]) -> NDArray[Any]:
         """λᵀf (C, M, 2, 3) of unit loads in N/m along local axes, that fade from start or end."""
         by = _strains(self.by, length)
         start, end = self.by[..., :3], self.by[..., 6:9]
@@ -127,16 +125,22 @@ class MemberWork:
         return np.einsum("mji,ci->cmj", self.axes, vectors[:, 0])
 
 
+def _moment(vectors: Vector, slopes: Vector) -> Vector:
+    """Σ v × ∂W/∂v (M, 3) of all vectors in two (C, M, …) alike."""
+    shape = (*vectors.shape[:2], -1, 3)
+    return np.cross(vectors.reshape(shape), slopes.reshape(shape)).sum(axis=(0, 2))
+
+
 class _Strains(NamedTuple):
     """What of its ends' displacements strains each member (C, M), in m and rad."""
 
     stretch: Vector
     twist: Vector
-    bow: tuple[Vector, ...]
-    wave: tuple[Vector, ...]
+    bow: tuple[NDArray[Any], ...]
+    wave: tuple[NDArray[Any], ...]
 
 
-def _strains(ends: Vector, length: Vector) -> _Strains:
+def _strains(ends: Vector, length: NDArray[Any]) -> _Strains:
     """What of end displacements (C, M, 12) in local axes strains members of so many m (M,)."""
     bow, wave = [], []
     for start, start_turn, end, end_turn, sign in PLANES:
@@ -155,7 +159,7 @@ def _normals(frame: Frame, axes: Vector) -> Vector:
     return np.where(along[:, None], other, frame.normals)
 
 
-def _sum(one: Vector, other: Vector) -> Vector:
+def _sum(one: NDArray[Any], other: NDArray[Any]) -> NDArray[Any]:
     """The product of two (C, M, …), summed to (M,)."""
     product = one * other
     return product.sum(axis=(0, *range(2, product.ndim)))

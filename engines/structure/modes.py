@@ -35,7 +35,7 @@ def greatest_eigenpairs(
     ``matrix`` B is symmetric, ``metric`` A positive definite and ``factor`` its factor. Lanczos'
     method in A's inner product [Lehoucq, Sorensen and Yang 1998, ARPACK, mode 2].
     """
-    rows = metric.shape[0]
+    rows = len(metric.indptr) - 1
     count = min(count, rows)
     if not count:
         return np.zeros(0), np.zeros((rows, 0))
@@ -43,13 +43,23 @@ def greatest_eigenpairs(
         span = [rows - count, rows - 1]
         values, vectors = eigh(matrix.toarray(), metric.toarray(), subset_by_index=span)
     else:
-        inverse = LinearOperator(
-            (rows, rows), matvec=lambda right: factor.solve(right.reshape(-1, 1)).ravel()
-        )
         start = np.random.default_rng(0).normal(size=rows)  # the same modes every time
-        values, vectors = eigsh(matrix, count, metric, which="LA", Minv=inverse, v0=start)
+        values, vectors = eigsh(
+            matrix, count, metric, which="LA", Minv=_Inverse(factor, rows), v0=start
+        )
     order = np.argsort(values)[::-1]
     return values[order], vectors[:, order]
+
+
+class _Inverse(LinearOperator):
+    """The inverse of a factorised matrix, as Lanczos' method applies it."""
+
+    def __init__(self, factor: Factor, rows: int) -> None:
+        super().__init__(np.dtype(np.float64), (rows, rows))
+        self._factor = factor
+
+    def _matvec(self, x: Vector) -> Vector:
+        return self._factor.solve(x.reshape(-1, 1)).ravel()
 
 
 def scaled(nodes: Vector, along: Vector) -> tuple[Vector, Vector]:

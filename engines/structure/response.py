@@ -58,7 +58,8 @@ class Response:
     def forces(self, stations: Vector) -> Vector:
         """Section forces (C, M, S, 6) at ``stations`` (S,) in 0..1 of the length, as in `Demand`.
 
-        From the equilibrium of the part before the station: exact for the line loads.
+        From the equilibrium of the part before the station: exact for the line loads. The stress
+        along x is N/A + My z/Iy − Mz y/Iz: positive My pulls where z is positive.
         """
         part = np.asarray(stations, dtype=np.float64)
         along = self.lengths[:, None] * part  # (M, S)

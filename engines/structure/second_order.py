@@ -1,4 +1,4 @@
-"""Second-order theory: equilibrium of the deformed frame, P-Δ and P-δ, combination by combination."""
+"""Second-order theory: equilibrium of the deformed frame, P-Δ and P-δ, for each combination."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,6 +10,7 @@ from ..core.errors import SceneError
 from ..core.scene import Vector
 from .assembly import Pattern
 from .beam_column import BeamColumns
+from .buckling import buckling_modes
 from .check_frame import named
 from .frame import Frame, Rigidities
 from .linear import System, at_nodes, factor_of, factorise, solve_system
@@ -37,7 +38,7 @@ class SecondOrderResponse(Response):
         raise ValueError("Second-order responses do not add up; solve each combination.")
 
     def forces(self, stations: Vector) -> Vector:
-        """Section forces (K, M, S, 6) at ``stations`` (S,) in 0..1, with P-δ, exact for line loads."""
+        """Section forces (K, M, S, 6) at ``stations`` (S,) in 0..1 of the length, P-δ included."""
         forces = super(SecondOrderResponse, self).forces(stations)
         x = _from_middle(stations, self.lengths)
         for along, sign, motion in self._columns().motions(self.end_displacements, self.line):
@@ -46,10 +47,9 @@ class SecondOrderResponse(Response):
         return forces
 
     def deflections(self, stations: Vector) -> Vector:
-        """Displacements (K, M, S, 3) in m, world axes, at ``stations`` (S,) in 0..1 of the length."""
-        local = super(SecondOrderResponse, self).deflections(stations) @ self.axes.transpose(
-            0, 2, 1
-        )
+        """Displacements (K, M, S, 3) in m, world axes, at ``stations`` (S,) in 0..1 of a length."""
+        local = super(SecondOrderResponse, self).deflections(stations)
+        local = local @ self.axes.transpose(0, 2, 1)
         x = _from_middle(stations, self.lengths)
         for along, _, motion in self._columns().motions(self.end_displacements, self.line):
             local[..., along] = np.moveaxis(motion.deflection(x), 0, -1)
@@ -72,7 +72,7 @@ def solve_second_order(
     most: int = MOST,
     names: Sequence[str] | None = None,
 ) -> SecondOrderResponse:
-    """Displacements, reactions and member forces of K combinations ``factors`` (K, C), second order.
+    """Displacements, reactions and forces of K combinations ``factors`` (K, C), second order.
 
     Every member bends exactly as its mean axial force makes it (`beam_column`), so that it need not
     be divided; where that force varies along a member, as a column's own weight does, dividing it
@@ -87,10 +87,11 @@ def solve_second_order(
     factors = np.atleast_2d(np.asarray(factors, dtype=np.float64))
     first = solve_system(system, loads).combined(factors)
     nodal = np.tensordot(factors, loads.nodal, 1)
-    called = [f"“{name}”" for name in names] if names is not None else range(len(factors))
+    numbers = range(len(factors))
+    called = numbers if names is None else [f"“{name}”" for name in names]
     settled = [
         _settled(system, _one(first, k), nodal[k : k + 1], f"Combination {name}", tolerance, most)
-        for k, name in enumerate(called)
+        for k, name in zip(numbers, called, strict=True)
     ]
     changing = ("displacements", "reactions", "end_forces", "end_displacements", "imbalance")
     joined = {
@@ -112,8 +113,11 @@ def _settled(
     """One combination: solved again until the axial forces are those it was solved with."""
     line, lengths = first.line, first.lengths
     axial = mean_axial_force(first.end_forces, line, lengths)
+    change = np.inf
     for count in range(1, most + 1):
         found = _solved(system, axial, line, nodal, name)
+        if found is None:
+            raise SceneError(_buckles(name, _weakest(system, first)))
         change = float(np.abs(found.axial_force - axial).max())
         axial = found.axial_force
         if change <= tolerance * float(np.abs(axial).max()):
@@ -126,8 +130,11 @@ def _settled(
 
 def _solved(
     system: System, axial: Vector, line: Vector, nodal: Vector, name: str
-) -> SecondOrderResponse:
-    """The response under given ``axial`` forces (1, M); its own are those that it brings about."""
+) -> SecondOrderResponse | None:
+    """The response under given ``axial`` forces (1, M); its own are those that it brings about.
+
+    None where the nodes have no stable place.
+    """
     frame, pattern, lengths = system.frame, system.pattern, system.members.coefficients.lengths
     columns = BeamColumns(system.rigidities, lengths, axial[0])
     away = np.flatnonzero(columns.buckled())
@@ -137,7 +144,7 @@ def _solved(
     members = _members_under(system, local, name)
     factor = factor_of(pattern, members.world, frame.springs)
     if factor is None:
-        raise SceneError(_buckles(name, "the frame"))
+        return None
 
     equivalent = columns.equivalent_loads(line)
     forces = nodal + at_nodes(frame, members.to_nodes(equivalent))
@@ -201,6 +208,16 @@ def _one(response: Response, combination: int) -> Response:
 def _from_middle(stations: Vector, lengths: Vector) -> Vector:
     """Where stations (S,) in 0..1 are, in m from the members' middles (S, 1, M)."""
     return (np.asarray(stations, dtype=np.float64)[:, None, None] - 0.5) * lengths
+
+
+def _weakest(system: System, first: Response) -> str:
+    """What gives way first by linear buckling under the forces of a first-order response."""
+    modes = buckling_modes(system.frame, system.rigidities, first, 1, pieces=2)
+    if not len(modes.values):
+        return "the frame"
+    size = np.linalg.norm(modes.along[0], axis=-1).max(axis=1)
+    member = named(system.frame, int(size.argmax()))
+    return f"the frame, which gives way most at {member} by {modes.values[0]:.3g} of these loads,"
 
 
 def _buckles(name: str, what: str) -> str:

@@ -18,8 +18,10 @@ from .sizing import Chosen, rigidities_for, size_members
 from .tasks import Task
 from .timber_rules import creep_factor
 
-_MOST = 12  # times the structure is stiffened and sized again
-_PACE = 0.5  # power of what is lacking that one turn makes up for: sections round up
+_MOST = 25  # times the structure is stiffened and sized again
+_PACE = 0.5  # power of what is lacking that one turn makes up for, since sections round up
+_LEAST = 1.05  # that it makes up for at least
+_BETTER, _PATIENCE = 0.99, 4  # what counts as progress, and turns without it before giving up
 
 
 def service_of(task: Task, sections: Index, first: Response, pattern: Pattern) -> Checked:
@@ -59,15 +61,19 @@ def size_stiff(
     and mass w of a member in the worst combination, its EI grows by s √(U/w) where that is above 1,
     with s such that the energy falls part of the way that the deflection must (optimality criterion
     of Berke and Venkayya 1974). Sections that suffice are then chosen again, and so on; it gives up
-    after some turns, and the result says what is left.
+    after turns that bring nothing, and the result says what is left.
     """
     chosen = size_members(task, start=start, pattern=pattern, progress=part(progress, 0.0, 0.3))
-    bounds = no_bounds(task)
+    bounds, least, idle = no_bounds(task), np.inf, 0
     for number in range(_MOST):
         rigidities = rigidities_for(task, chosen.sections)
         first = solve_frame(task.frame, rigidities, task.loads, pattern)
         served = service_of(task, chosen.sections, first, pattern)
-        if not len(served.names) or served.utilisation.max() <= 1:
+        used = served.utilisation.max(initial=0.0)
+        if used < _BETTER * least:
+            least, idle = used, 0
+        idle += 1
+        if used <= 1 or idle > _PATIENCE:
             break
         factor = _factors(task, first, served)
         needed = np.zeros_like(bounds.stiffness)
@@ -102,7 +108,7 @@ def _factors(task: Task, first: Response, served: Checked) -> Vector:
     assert first.rigidities is not None
     weight = first.rigidities.mass * first.lengths
     density = np.sqrt(energy / weight)
-    goal = energy.sum() / used[whole].max() ** _PACE
+    goal = energy.sum() / max(used[whole].max() ** _PACE, _LEAST)
     low, high = 0.0, 1e3 / density.max()
     for _ in range(60):
         middle = (low + high) / 2

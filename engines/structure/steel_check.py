@@ -48,11 +48,11 @@ def check_steel(
     torsion only; a solid section's shear elastic; the class of combinations dominated by axial
     force that of pure compression; slopes of Annex B never negative. What is left out: shear lag,
     web crippling and patch loading, f_y by thickness (it is as the grade says), loads above the
-    shear centre. Square and circular hollow sections do not buckle laterally (6.3.2.1(2));
-    rectangular ones that are slender do, as `lateral_imperfections` says.
+    shear centre. Lateral buckling is that of bending about y: square and circular hollow sections
+    have none (6.3.2.1(2)), slender rectangular ones do, as `lateral_imperfections` says.
 
     At given forces and one width and thickness, a higher section is mostly less used, not always:
-    where the class falls, its moment resistance does too, by up to a third at once.
+    where the class falls, so do its resistances, in high narrow boxes by a third and more at once.
 
     Raises ParameterError where the grade is no steel with a yield strength, SceneError for forces
     that do not fit.

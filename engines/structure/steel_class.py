@@ -138,36 +138,41 @@ def _hollow_class(
 ) -> Classes:
     web, flange = flat_walls(part)
     web_ratio, flange_ratio = slenderness_of_walls(part, grade)
-    # The moments over the plastic ones, grown until the section is plastic by 6.2.9.1(6); that
-    # the axial force leaves them less is on the safe side.
+    # The moments over the plastic ones, grown until the section is plastic. On a circle, that is
+    # later than by 6.2.9.1(6) with its exponent of 1.66 and what the axial force takes: safe.
     y, z = bent_y * (part.elastic_y / part.plastic_y), bent_z * (part.elastic_z / part.plastic_z)
-    size = (y**1.66 + z**1.66) ** (1 / 1.66)
+    size = np.sqrt(y**2 + z**2)
     none = size < _NOTHING
     size[none] = 1.0
     y /= size
     z /= size
     share = bent_y / np.maximum(bent_y + bent_z, 1e-300)
-    room = 2.0 * (1.0 - n)
-    classes = []
-    for slenderness, width, thickness, other, plastic, lever, part_of in (
-        (web_ratio, web, part.web, z, part.plastic_z, part.width - part.web, share),
-        (
-            flange_ratio,
-            flange,
-            part.flange,
-            y,
-            part.plastic_y,
-            part.height - part.flange,
-            1 - share,
-        ),
-    ):
-        wall = thickness * width
-        alpha = 0.5 * (1.0 + n * (part.area / (2.0 * wall)) + other * (plastic / (wall * lever)))
-        alpha[none] = 1.0
-        psi = 1.0 - part_of * room
-        psi[none] = 1.0
-        classes.append(_class_by(slenderness, *internal_limits(alpha, psi)))
-    return np.maximum(*classes)
+    share_z = 1.0 - share
+    share[none] = share_z[none] = 0.0
+    y[none] = z[none] = np.inf
+    web, flange = np.maximum(web * part.web, 1e-12), np.maximum(flange * part.flange, 1e-12)
+    z *= part.plastic_z / (web * (part.width - part.web))
+    y *= part.plastic_y / (flange * (part.height - part.flange))
+    return np.maximum(
+        _wall_class(web_ratio, n, part.area / (2.0 * web), z, share),
+        _wall_class(flange_ratio, n, part.area / (2.0 * flange), y, share_z),
+    )
+
+
+def _wall_class(
+    slenderness: Vector, n: Vector, weight: Vector, pressed: Vector, share: Vector
+) -> Classes:
+    """The class of one of a hollow section's walls (…, M).
+
+    ``weight``: the section's area over that of the two walls; ``pressed``: what share of the
+    plastic wall the other moment compresses, infinite where nothing bends; ``share``: of the
+    moments, the one that this wall is the web for.
+    """
+    if (slenderness <= 33.0).all():
+        return np.ones(n.shape, dtype=np.int8)
+    alpha = 0.5 * (1.0 + n * weight + pressed)
+    psi = 1.0 - 2.0 * share * (1.0 - n)
+    return _class_by(slenderness, *internal_limits(alpha, psi))
 
 
 def _rolled_class(

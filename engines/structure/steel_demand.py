@@ -67,7 +67,7 @@ def worst_of_checks(
     combination, station = np.empty(shape, np.int32), np.empty(shape, np.int32)
     stations, members = governing.shape[1], np.arange(governing.shape[2])
     for row, values in enumerate(used):
-        flat = values.reshape(-1, len(members))
+        flat = values.reshape(int(np.prod(values.shape[:-1])), len(members))
         where = flat.argmax(axis=0)
         utilisation[row] = flat[where, members]
         if values.ndim == 3:

@@ -23,9 +23,9 @@ from .loading import Loading, loads_of
 from .model import Model
 from .roof import Roof, roof_model
 from .rules import Rules
+from .service import size_stiff
 from .shell import Shell, shell_model
 from .sized import Sized
-from .service import size_stiff
 from .sizing import Chosen, size_members
 from .surface import Net
 from .tasks import Task, families_of, task_of

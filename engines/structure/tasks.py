@@ -72,7 +72,7 @@ def _slots(model: Model, kind: Index, rules: Rules) -> tuple[Index, Index]:
     """The menu (G,) of each slot, and the slot (M,) of each member."""
     if rules.per == "member":
         return kind, np.arange(len(kind))
-    group = model.groups if rules.per == "group" else np.zeros_like(kind)
+    group = model.groups.astype(np.intp) if rules.per == "group" else np.zeros_like(kind)
     pairs, slot = np.unique(np.stack([kind, group], axis=1), axis=0, return_inverse=True)
     return pairs[:, 0], slot.ravel()
 

@@ -6,13 +6,13 @@ import numpy as np
 
 from ..core.errors import SceneError
 from ..core.scene import Vector
-from .assembly import Pattern, pattern_of
+from .assembly import pattern_of
 from .beam_shapes import local_mass
 from .check_frame import check_frame
 from .frame import Frame, Rigidities
-from .linear import Factor, factor_of, factorise
+from .linear import factor_of, factorise
 from .modes import Modes, greatest_eigenpairs, scaled
-from .stiffness import Members, members_of
+from .stiffness import members_of
 from .subdivision import along_members, repeated, subdivided
 
 PIECES = 2
@@ -26,7 +26,7 @@ def natural_frequencies(
     *,
     pieces: int = PIECES,
 ) -> tuple[Vector, Vector]:
-    """`vibration_modes`, of which the frequencies in Hz (n,) and the nodes' displacements (n, N, 6)."""
+    """`vibration_modes`, of which the values in Hz (n,) and the nodes' displacements (n, N, 6)."""
     modes = vibration_modes(frame, rigidities, count, added_mass, pieces=pieces)
     return modes.values, modes.nodes
 
@@ -55,10 +55,11 @@ def vibration_modes(
     held = frame.held.any() or (frame.springs is not None and (frame.springs > 0).any())
     if held:
         system = factorise(fine, fine_rigidities, pattern)
-        members, shift = system.members, 0.0
+        members, factor, shift = system.members, system.factor, 0.0
     else:
         check_frame(replace(frame, held=np.ones_like(frame.held)), rigidities)
-        members, shift = members_of(fine, fine_rigidities), _elastic(frame, rigidities)
+        members, factor = members_of(fine, fine_rigidities), None
+        shift = _elastic(frame, rigidities)
 
     turn = members.transforms()
     mass = local_mass(fine_rigidities, members.coefficients.lengths)
@@ -68,7 +69,7 @@ def vibration_modes(
         nodal[: len(frame.nodes), :3] = added_mass[:, None]
     springs = np.zeros(fine.held.shape) if fine.springs is None else fine.springs
     stiff, ground = members.world + shift * mass, springs + shift * nodal
-    factor = system.factor if held else factor_of(pattern, stiff, ground)
+    factor = factor or factor_of(pattern, stiff, ground)
     assert factor is not None
     inverse, vectors = greatest_eigenpairs(
         pattern.matrix(mass, nodal), pattern.matrix(stiff, ground), factor, count
@@ -102,5 +103,6 @@ def _check_mass(frame: Frame, rigidities: Rigidities, added_mass: Vector | None)
     wrong = np.flatnonzero(~(added_mass >= 0) | ~np.isfinite(added_mass))
     if len(wrong):
         raise SceneError(
-            f"Node {wrong[0]} is given a mass of {added_mass[wrong[0]]:g} kg; it must be zero or more."
+            f"Node {wrong[0]} is given a mass of {added_mass[wrong[0]]:g} kg; it must be zero or "
+            "more."
         )

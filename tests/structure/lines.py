@@ -1,5 +1,7 @@
 """Small frames whose answers are known: straight lines of members, portals, and their loads."""
 
+from itertools import pairwise
+
 import numpy as np
 from heliform.engines.structure.frame import Frame, Rigidities
 from heliform.engines.structure.loads import Loads
@@ -48,7 +50,7 @@ def portal(fixed, height=1.0, count=1):
         [(0, 0, 0), (0, 0, height), (height, 0, height), (height, 0, 0)], dtype=float
     )
     nodes = [corners[0]]
-    for start, end in zip(corners[:-1], corners[1:], strict=True):
+    for start, end in pairwise(corners):
         nodes += [start + (k + 1) / count * (end - start) for k in range(count)]
     many = len(nodes) - 1
     members = np.stack([np.arange(many), np.arange(1, many + 1)], axis=1).astype(np.int32)

@@ -1,4 +1,4 @@
-"""A small grid shell with everything at once: rolled, released and offset members, loads anywhere."""
+"""A small grid shell with everything: rolled, released and offset members, loads anywhere."""
 
 import numpy as np
 from heliform.engines.structure.frame import Frame, Rigidities

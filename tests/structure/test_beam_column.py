@@ -57,7 +57,7 @@ def test_members_move_as_the_differential_equations_say(force):
     start, start_turn, end, end_turn = ends[0, 0, [1, 5, 7, 11]]
 
     def change(x, y):  # w, ψ, M, R
-        deflection, turn, moment, across = y
+        _, turn, moment, across = y
         slope = (across + shear * turn) / (shear + force)
         return [
             slope,

@@ -53,6 +53,19 @@ def test_four_pieces_are_as_good_as_promised():
         )
 
 
+def test_a_member_released_at_its_ends_buckles_as_one_with_hinges():
+    frame = line_of(1, range(6), ALL)
+    releases = np.zeros((1, 12), dtype=bool)
+    releases[0, [4, 5, 10, 11]] = True
+    frame, stiff = replace(frame, releases=releases), rigid(1)
+    response = solve_frame(frame, stiff, loads_of(frame, {1: (0, 0, -1, 0, 0, 0)}))
+    away = [
+        buckling_factors(frame, stiff, response, 1, pieces=n)[0][0] / EULER - 1 for n in (4, 8, 16)
+    ]
+    assert 0 < away[2] < 1e-4
+    assert away[0] > away[1] > away[2]
+
+
 def test_members_drawn_in_pieces_buckle_like_members_divided():
     whole = buckling_factors(*column("hinged"), 2, pieces=6)[0]
     assert buckling_factors(*column("hinged", 6), 2, pieces=1)[0] == pytest.approx(whole, rel=1e-10)

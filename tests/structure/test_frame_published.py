@@ -153,7 +153,7 @@ def test_a_curved_beam_moves_as_in_macneal_and_harder():
         shear * torsion,
         shear * 0.02 * 5 / 6,
     )
-    loads = cases_of(frame, {count: (1.0, 0, 0, 0, 0, 0)}, {count: (0, 0, 1.0, 0, 0, 0)})
+    loads = cases_of(frame, {count: (0, 1.0, 0, 0, 0, 0)}, {count: (0, 0, 1.0, 0, 0, 0)})
     tip = solve_frame(frame, section, loads).displacements[:, -1]
-    assert abs(tip[0, 0]) == pytest.approx(0.08734, rel=0.02)
+    assert tip[0, 1] == pytest.approx(0.08734, rel=0.02)
     assert tip[1, 2] == pytest.approx(0.5022, rel=0.02)

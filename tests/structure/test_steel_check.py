@@ -187,6 +187,36 @@ def test_lateral_buckling_of_a_beam_in_uniform_bending():
     assert used(check_steel(demand(5.7, My=load), ipe(330), MILD), "Lateral-torsional") < truth
 
 
+@pytest.mark.parametrize(
+    ("thickness", "section_class", "share_yz", "share_zy"),
+    [(0.01, 1, 0.6, 0.6), (0.0046, 3, 1.0, 0.8)],
+)
+def test_a_box_that_bends_both_ways_by_hand(thickness, section_class, share_yz, share_zy):
+    """Table B.1, its column for hollow sections, with C_my = 0.8 (ψ = 1/2) and C_mz = 0.6 (0)."""
+    box = rectangular_hollow(0.2, 0.15, thickness)
+    given = demand(3.5, N=-250e3, My=12e3 * np.linspace(1, 0.5, 5), Mz=-8e3 * np.linspace(0, 1, 5))
+    checked = check_steel(given, box, MILD)
+    assert checked.section_class[0] == section_class
+    axial = box.area[0] * 235e6
+    ratio, slope = [], []
+    for inertia in (box.inertia_y[0], box.inertia_z[0]):
+        slenderness = np.sqrt(axial / (np.pi**2 * 210e9 * inertia / 3.5**2))
+        half = 0.5 * (1 + 0.21 * (slenderness - 0.2) + slenderness**2)
+        ratio.append(250e3 / axial * (half + np.sqrt(half**2 - slenderness**2)))
+        assert 0.3 < slenderness < 1
+        slope.append(slenderness - 0.2 if section_class == 1 else 0.6 * slenderness)
+    plastic = section_class == 1
+    modulus_y, modulus_z = (
+        (box.plastic_y[0], box.plastic_z[0]) if plastic else (box.elastic_y[0], box.elastic_z[0])
+    )
+    k_yy, k_zz = 0.8 * (1 + slope[0] * ratio[0]), 0.6 * (1 + slope[1] * ratio[1])
+    bent_y, bent_z = 12e3 / (modulus_y * 235e6), 8e3 / (modulus_z * 235e6)
+    truth = ratio[0] + k_yy * bent_y + share_yz * k_zz * bent_z
+    assert used(checked, "(6.61)") == pytest.approx(truth)
+    truth = ratio[1] + share_zy * k_yy * bent_y + k_zz * bent_z
+    assert used(checked, "(6.62)") == pytest.approx(truth)
+
+
 # --- another program ----------------------------------------------------------------------------
 
 
@@ -408,6 +438,25 @@ def test_forces_far_beyond_resistance_are_still_numbers():
         checked = check_steel(given, sections, MILD)
         assert np.isfinite(checked.utilisation[:9]).all()
         assert (checked.worst() > 1).all()
+
+
+@pytest.mark.parametrize("stations", [2, 3, 4, 9])
+def test_straight_diagrams_are_the_same_at_any_number_of_stations(stations):
+    def checked(count):
+        line = np.linspace(1.0, 0.5, count)[:, None] * np.array([0, 0, 1e4, 0, 2e4, 5e3])
+        line[:, 0] = -2e5
+        return check_steel(Demand(line[None, None], *(np.full(1, 3.0),) * 4), SHS, STRONG)
+
+    assert checked(stations).utilisation == pytest.approx(checked(5).utilisation)
+    assert checked(1).utilisation[7, 0] > checked(5).utilisation[7, 0]  # one moment is uniform
+
+
+def test_no_members_are_checked_to_nothing():
+    nothing = np.zeros(0)
+    checked = check_steel(
+        Demand(np.zeros((2, 0, 5, 6)), *(nothing,) * 4), SHS.take(np.zeros(0, int)), STRONG
+    )
+    assert checked.utilisation.shape == (len(NAMES), 0)
 
 
 def test_partial_factors_divide_what_they_should():

@@ -131,6 +131,14 @@ def test_what_is_not_compressed_is_of_class_1():
     assert (section_class(-pull, small, small, slender, MILD) > 1).all()
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_wall_that_is_all_corner_is_of_class_1():
+    narrow = rectangular_hollow(0.6, 0.05, 0.01, 0.025)
+    assert flat_walls(narrow)[1][0] == pytest.approx(0.0)
+    assert class_of(narrow, MILD, moment_y=1e4) == 1
+    assert class_of(narrow, MILD, axial=-1e4) == 4
+
+
 def test_solid_sections_are_of_class_1():
     assert class_of(rectangle(0.5, 0.01), STRONG, -1e5, 1e5, 1e5) == 1
 

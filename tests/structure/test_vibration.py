@@ -53,6 +53,17 @@ def test_dividing_members_converges_with_the_fourth_power_from_above(ends):
     assert away[1] / away[2] == pytest.approx(16, rel=0.1)
 
 
+def test_a_beam_released_at_its_ends_swings_as_one_with_hinges():
+    frame = plane(line_of(1, range(6), range(6)))
+    releases = np.zeros((1, 12), dtype=bool)
+    releases[0, [4, 10]] = True
+    released = replace(frame, releases=releases)
+    found = natural_frequencies(released, rigid(1, mass=MASS), 3, pieces=16)[0]
+    aside = np.sqrt(2) * 4.7300407**2  # about local z, where nothing is released
+    truth = UNIT * np.array([np.pi**2, aside, 4 * np.pi**2])
+    assert found == pytest.approx(truth, rel=1e-3)
+
+
 def test_a_free_beam_moves_in_six_ways_without_any_frequency_and_then_swings():
     frame = line_of(8, (), ())
     modes = vibration_modes(frame, rigid(8, mass=MASS, rotary=1e-4), 10, pieces=4)

@@ -88,13 +88,13 @@ def test_walls_take_the_coefficients_of_table_7_1(height, windward, leeward):
 
 
 def test_side_walls_have_zones_a_to_c_behind_the_windward_edge():
-    made = house(30.0, 20.0, 5.0, parts=30)  # e = 2 h = 10: A to 2 m, B to 10 m, C behind
+    made = house(30.0, 20.0, 5.0, parts=60)  # e = 2 h = 10: A to 2 m, B to 10 m, C behind
     tributary = tributary_of(made.frame, made.cells)
     pressures = wind_pressures(tributary, WINDS["+x"], 1.0, "walls")
     side = tributary.normals[:, 1] > 0.9
     outward = np.einsum("fi,fi->f", pressures, tributary.normals)[side]
     order = np.argsort(tributary.centres[side, 0])
-    assert outward[order] == pytest.approx([1.2] * 2 + [0.8] * 8 + [0.5] * 20)
+    assert outward[order] == pytest.approx([1.2] * 4 + [0.8] * 16 + [0.5] * 40)
 
 
 def test_walls_are_refused_on_a_roof():
