@@ -1,7 +1,8 @@
 """What follows hands, frames and undo: objects that are rebuilt when their handles have moved.
 
-Blender says that a handle moved while it is drawing; the object is rebuilt right after, in a timer.
-Where there are no timers, in background, a change of frame rebuilds at once.
+Blender says that a handle moved while it is drawing; the object is rebuilt right after, in a timer,
+and, once nothing has moved for a while, again at leisure. In background there are no timers, and a
+change of frame rebuilds at once.
 """
 
 from collections.abc import Callable, Iterable
@@ -12,13 +13,25 @@ from .bridge.handles import name_of
 
 Follow = Callable[[bpy.types.Object, bpy.types.Scene], None]
 
-_followers: dict[str, Follow] = {}
+_followers: dict[str, tuple[Follow, Follow]] = {}
 _waiting: set[int] = set()
+_resting: set[int] = set()
 
 
-def follow(form: str, act: Follow) -> None:
-    """Have ``act`` called with objects of this form, and their scene, when their handles moved."""
-    _followers[form] = act
+def follow(form: str, act: Follow, finish: Follow) -> None:
+    """Have ``act`` called with objects of this form, and their scene, when their handles moved.
+
+    ``finish`` is called with those for which `settle` was.
+    """
+    _followers[form] = act, finish
+
+
+def settle(obj: bpy.types.Object, pause: float) -> None:
+    """Have the object finished once nothing has moved for ``pause`` seconds."""
+    _resting.add(obj.session_uid)
+    if bpy.app.timers.is_registered(_finish):
+        bpy.app.timers.unregister(_finish)
+    bpy.app.timers.register(_finish, first_interval=pause)
 
 
 @bpy.app.handlers.persistent
@@ -38,17 +51,25 @@ def _wake() -> None:
 
 
 def _look_after() -> None:
-    uids = set(_waiting)
-    _waiting.clear()
+    _take(_waiting, 0)
+
+
+def _finish() -> None:
+    _take(_resting, 1)
+
+
+def _take(chosen: set[int], which: int) -> None:
+    """Call the first or second of their followers for the objects chosen, and forget them."""
+    uids = set(chosen)
+    chosen.clear()
     for scene in bpy.data.scenes:
-        _follow(scene, (obj for obj in scene.objects if obj.session_uid in uids))
+        _follow(scene, [obj for obj in scene.objects if obj.session_uid in uids], which)
 
 
-def _follow(scene: bpy.types.Scene, objects: Iterable[bpy.types.Object]) -> None:
+def _follow(scene: bpy.types.Scene, objects: Iterable[bpy.types.Object], which: int = 0) -> None:
     for obj in objects:
-        act = _followers.get(obj.heliform.form)
-        if act is not None:
-            act(obj, scene)
+        if obj.heliform.form in _followers:
+            _followers[obj.heliform.form][which](obj, scene)
 
 
 @bpy.app.handlers.persistent
@@ -81,6 +102,8 @@ def unregister() -> None:
     """Follow no more."""
     for handlers, act in _HANDLERS:
         handlers.remove(act)
-    if bpy.app.timers.is_registered(_look_after):
-        bpy.app.timers.unregister(_look_after)
+    for timer in (_look_after, _finish):
+        if bpy.app.timers.is_registered(timer):
+            bpy.app.timers.unregister(timer)
     _waiting.clear()
+    _resting.clear()

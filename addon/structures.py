@@ -1,6 +1,6 @@
 """Structures in Blender: made, sized while they are changed, and moved by their handles."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import bpy
@@ -12,8 +12,9 @@ from ..engines.core.parameters import digest, from_table
 from ..engines.core.scene import Body, Material, Scene, Vector
 from ..engines.structure.controls import control_places, level_places, levels_for, net_for
 from ..engines.structure.level_set import Nine
+from ..engines.structure.live import Live
 from ..engines.structure.sized import Sized
-from ..engines.structure.structure import Structure, design
+from ..engines.structure.structure import Structure, size_structure
 from ..engines.structure.surface import Net
 from . import live, objects
 from .bridge import handles, layers, members
@@ -33,8 +34,10 @@ _NINES = [f.name for f in fields(Nine)]
 _GROUPS = {"net": _NETS, "material": _NINES, "turn": _NINES}
 """The handles of a structure: which record they move, and its fields."""
 _STILL = 1e-5  # of the structure's size, that float32 may move a handle by
-_last: dict[int, Sized] = {}
-"""What structures were last sized to, by session: sizing begins there."""
+_lives: dict[int, Live] = {}
+"""What structures were last sized to, by their place in this session: sizing begins there."""
+_HASTE = 4  # rounds of sizing while a handle moves
+_PAUSE = 0.3  # seconds without a move, after which sizing goes on to its end
 
 
 def add_structure(
@@ -47,9 +50,9 @@ def add_structure(
 
     Raises HeliformError where there can be none; adds nothing then.
     """
-    sized = design(record, _scene(source, context.scene))
+    sized = size_structure(_scene(source, context.scene), record)
     obj = _new(context, record, name, source)
-    _show(obj, sized, context.scene)
+    _keep(obj, sized, context.scene)
     layers.show_in_views(context, layers.IN_TEXELS)
     return obj
 
@@ -88,11 +91,14 @@ def _scene(source: bpy.types.Object | None, scene: bpy.types.Scene) -> Scene:
     return Scene((Body(source.name, read_mesh(source, depsgraph, scale_of(scene)), Material()),))
 
 
-def rebuild(obj: bpy.types.Object, scene: bpy.types.Scene, *, anew: bool = False) -> None:
+def rebuild(
+    obj: bpy.types.Object, scene: bpy.types.Scene, *, anew: bool = False, hasty: bool = False
+) -> None:
     """Bring a structure up to date with its settings: geometry, analysis, sections, colours.
 
-    It begins with the sections it has, or ``anew``. One that is not live is left as it is, unless
-    anew. Where it cannot be brought up to date ``obj.heliform.problem`` says why.
+    It begins with the sections it has, or ``anew``, and where it is ``hasty`` it ends after few
+    rounds. One that is not live is left as it is, unless anew. Where it cannot be brought up to
+    date ``obj.heliform.problem`` says why.
     """
     own, problem = obj.heliform, ""
     try:
@@ -102,8 +108,15 @@ def rebuild(obj: bpy.types.Object, scene: bpy.types.Scene, *, anew: bool = False
             obj.data = obj.data.copy()
         record = record_of(obj, scene)
         if own.live or anew:
-            start = None if anew else _last.get(obj.session_uid)
-            _show(obj, design(record, scene_of(obj, scene), start=start), scene)
+            if anew:
+                _lives.pop(obj.session_uid, None)
+            kept = _lives.setdefault(obj.session_uid, Live())
+            asked = record
+            if hasty:
+                rounds = min(record.rules.rounds, _HASTE)
+                asked = replace(record, rules=replace(record.rules, rounds=rounds))
+            _show(obj, kept.size(asked, scene_of(obj, scene)), scene)
+            obj[_BUILT] = digest(asked)
         _place_handles(obj, record, scene)
     except HeliformError as error:
         problem = str(error)
@@ -111,11 +124,15 @@ def rebuild(obj: bpy.types.Object, scene: bpy.types.Scene, *, anew: bool = False
         own.problem = problem
 
 
-def _show(obj: bpy.types.Object, sized: Sized, scene: bpy.types.Scene) -> None:
-    scale = scale_of(scene)
-    members.stage_members(obj, sized, obj.heliform.joint, scale)
-    _last[obj.session_uid] = sized
+def _keep(obj: bpy.types.Object, sized: Sized, scene: bpy.types.Scene) -> None:
+    """Put a result on its structure, and go on from there."""
+    _show(obj, sized, scene)
+    _lives[obj.session_uid] = Live(sized)
     obj[_BUILT] = digest(record_of(obj, scene))
+
+
+def _show(obj: bpy.types.Object, sized: Sized, scene: bpy.types.Scene) -> None:
+    members.stage_members(obj, sized, obj.heliform.joint, scale_of(scene))
     repaint(obj, scene)
 
 
@@ -124,10 +141,10 @@ def sized_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> Sized:
 
     Raises HeliformError where it cannot be sized.
     """
-    known = _last.get(obj.session_uid)
-    if known is not None and obj.get(_BUILT) == digest(record_of(obj, scene)):
-        return known
-    return design(record_of(obj, scene), scene_of(obj, scene), start=known)
+    record, known = record_of(obj, scene), _lives.get(obj.session_uid)
+    if known is not None and known.last is not None and obj.get(_BUILT) == digest(record):
+        return known.last
+    return size_structure(scene_of(obj, scene), record)
 
 
 def repaint(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
@@ -189,8 +206,12 @@ def follow_handles(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
         else:
             levels = levels_for(record, places.reshape(3, 3, 3))
             write(getattr(own.structure, kind), levels, scale)
-    if obj.get(_BUILT) != digest(record_of(obj, scene)):
-        rebuild(obj, scene)
+    if obj.get(_BUILT) == digest(record_of(obj, scene)):
+        return
+    hasty = not bpy.app.background
+    rebuild(obj, scene, hasty=hasty)
+    if hasty:
+        live.settle(obj, _PAUSE)
 
 
 # As an analysis
@@ -218,7 +239,7 @@ def _stage(
     obj = next(iter(there.values()), None)
     if obj is None:
         obj = _found(scene, from_table(Structure, result.meta["parameters"], "parameters"))
-    _show(obj, result, scene)
+    _keep(obj, result, scene)
     members.note_folder(obj, str(folder), notes)
     layers.show_in_views(bpy.context, layers.IN_TEXELS)
     return False
@@ -247,9 +268,9 @@ STRUCTURE_STAGING = Staging(_gather, _stage, _add)
 
 def register() -> None:
     """Have structures follow their handles."""
-    live.follow(STRUCTURE, follow_handles)
+    live.follow(STRUCTURE, follow_handles, rebuild)
 
 
 def unregister() -> None:
     """Forget what structures were last sized to."""
-    _last.clear()
+    _lives.clear()

@@ -73,7 +73,7 @@ def apart(ours: np.ndarray, theirs: np.ndarray) -> float:
 
 def pynite(frame: Frame, rigidities: Rigidities, given: Loads, response: Response) -> dict:
     """What PyNite takes for it, and how far its numbers are from ours."""
-    from Pynite import FEModel3D  # noqa: PLC0415
+    from Pynite import FEModel3D
 
     model = FEModel3D()
     model.add_material("one", 1.0, 1.0, 0.3, 0.0)
@@ -112,7 +112,7 @@ def pynite(frame: Frame, rigidities: Rigidities, given: Loads, response: Respons
 
 def opensees(frame: Frame, rigidities: Rigidities, given: Loads, times: int) -> tuple[float, tuple]:
     """What OpenSees takes to build, solve and be read for one case, and what it answers."""
-    import openseespy.opensees as ops  # noqa: PLC0415
+    import openseespy.opensees as ops
 
     local = np.einsum("mij,mj->mi", frame.axes(), given.line[0, :, 0])
     values = [rigidities.axial, np.ones(len(local)), np.ones(len(local)), rigidities.torsion]

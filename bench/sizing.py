@@ -1,17 +1,14 @@
 """How long sizing takes: roofs of 600 to 20,000 members and the façade under four winds.
 
-python bench/sizing.py [--most MEMBERS] [--out FOLDER]. Each is sized cold, then warm after a control
-point has moved by 5 cm, as while a slider is dragged. Times in s; they hold for the machine that
-the JSON names, with nothing else running.
+python bench/sizing.py [--most MEMBERS] [--out FOLDER]. Each is sized cold, then warm after a
+control point has moved by 5 cm, as while a slider is dragged. Times in s; they hold for the machine
+that the JSON names, with nothing else running.
 """
 
 import argparse
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
-
-sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).resolve().parents[1] / "tests")]
 
 from _shared import OUT, save, table
 from heliform.engines.core.scene import Scene

@@ -22,6 +22,8 @@ Design = tuple[Vector, Rigidities]
 """Where the nodes are (N, 3) in m, and what the members resist with."""
 
 STATIONS = np.array([0.0, 0.5, 1.0])
+TOLERANCE = 1e-6
+"""Residual force over the greatest load above which a solution is refined."""
 _SHARES = 4
 """Tasks for each process, so that none waits long for the last."""
 _SENTENCE = 400
@@ -84,7 +86,7 @@ def _summary(frame: Frame, design: Design, loads: Loads, pattern: Pattern) -> Su
     nodes, rigidities = design
     frame = replace(frame, nodes=nodes)
     try:
-        response = solve_frame(frame, rigidities, loads, pattern)
+        response = solve_frame(frame, rigidities, loads, pattern, tolerance=TOLERANCE)
     except SceneError as error:
         return _failed(str(error)[:_SENTENCE], len(loads.names), len(frame.members))
     moved = np.linalg.norm(response.displacements[..., :3], axis=-1)

@@ -66,7 +66,8 @@ def notes_on(result: "Sized", chosen: "Chosen") -> list[str]:
         more = " and others" if failing > _NAMED else ""
         notes.append(
             f"{failing} of {len(rows)} members fail even with the largest section: member {said}"
-            f"{more}; widen their range, or give them steel or a shorter span."
+            f"{more}; widen their range, give them steel or a shorter span, or set turns to 1, which "
+            "lets fewer sections shrink."
         )
     if not chosen.converged:
         notes.append(

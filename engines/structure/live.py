@@ -1,6 +1,6 @@
 """Sizing over and over while a record changes: what stays is kept from one time to the next."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from .structure import Structure, design_model, model_of
 class Live:
     """The last structure that was sized, from which the next begins.
 
+    From a start, a section is held as soon as it turns: that takes a few rounds rather than dozens.
     What comes out may depend on the path that led to it, by some per cent of mass; a result that
     is kept should be sized cold, by `size_structure`.
     """
@@ -30,7 +31,9 @@ class Live:
         """
         model = model_of(record, scene)
         if self._pattern is None or not self._fits(model.frame):
-            self._pattern = pattern_of(model.frame)
+            self._pattern, self.last = pattern_of(model.frame), None
+        if self.last is not None:
+            record = replace(record, rules=replace(record.rules, turns=1))
         self.last = design_model(
             model, record, start=self.last, pattern=self._pattern, progress=progress
         )

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from heliform.engines.core.errors import SceneError
 from heliform.engines.structure.linear import solve_frame
-
 from structure.frames import random_frame, random_loads, random_rigidities
 
 pytestmark = pytest.mark.peer

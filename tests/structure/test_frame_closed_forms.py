@@ -7,7 +7,6 @@ import pytest
 from heliform.engines.structure.frame import FIXED
 from heliform.engines.structure.linear import solve_frame
 from heliform.engines.structure.loads import GRAVITY
-
 from structure.frames import arc, cases_of, chain_of, frame_of, rotation, stiff
 
 BENDING = 2.0e6
@@ -130,7 +129,7 @@ def test_a_parabolic_arch_thrusts_without_bending_under_a_load_even_in_plan():
     held[0] = held[count] = (True, True, True, True, False, True)
     frame = chain_of(points, held, (0.0, 1.0, 0.0))
     step = span / count
-    nodal = {k: (0, 0, -load * step, 0, 0, 0) for k in range(1, count)}
+    nodal = dict.fromkeys(range(1, count), (0, 0, -load * step, 0, 0, 0))
     response = solve_frame(frame, stiff(count, 1e13, 1e6, 1e6, 1e6), cases_of(frame, nodal))
     thrust = load * span**2 / (8 * rise)
     assert response.reactions[0, 0, 0] == pytest.approx(thrust, rel=1e-3)
@@ -141,7 +140,7 @@ def test_a_parabolic_arch_thrusts_without_bending_under_a_load_even_in_plan():
 def test_weight_is_mass_times_gravity_and_hangs_as_a_line_load_would():
     frame, section = beam(3)
     heavy = solve_frame(frame, section, cases_of(frame, gravity=(0.0, 0.0, -GRAVITY)))
-    same = {k: (0.0, 0.0, -12.0 * GRAVITY) for k in range(3)}
+    same = dict.fromkeys(range(3), (0.0, 0.0, -12.0 * GRAVITY))
     loaded = solve_frame(frame, section, cases_of(frame, line=same))
     np.testing.assert_allclose(heavy.displacements, loaded.displacements, rtol=1e-12)
     assert heavy.reactions[0, 0, 2] == pytest.approx(12.0 * GRAVITY * 5.0, rel=1e-12)

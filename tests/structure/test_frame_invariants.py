@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 from heliform.engines.structure.assembly import pattern_of
-from heliform.engines.structure.frame import Frame, Rigidities
+from heliform.engines.structure.frame import FIXED, Frame, Rigidities
 from heliform.engines.structure.linear import factorise, solve_frame, solve_system
 from heliform.engines.structure.loads import Loads, joined
 from heliform.engines.structure.stiffness import (
@@ -15,8 +15,8 @@ from heliform.engines.structure.stiffness import (
     members_of,
     transform,
 )
-
 from structure.frames import (
+    frame_of,
     grid,
     random_frame,
     random_loads,
@@ -94,7 +94,7 @@ def test_supports_carry_every_load_in_force_and_moment(seed):
     line = loads.line + loads.gravity[:, None, None] * rigidities.mass[:, None, None]
     first, last = line[:, :, 0], line[:, :, 1]
     forces = 0.5 * lengths * (first + last)
-    levers = lengths / 6.0 * ((2 * first + last)), lengths / 6.0 * (first + 2 * last)
+    levers = lengths / 6.0 * (2 * first + last), lengths / 6.0 * (first + 2 * last)
     at_nodes = loads.nodal + response.reactions
     force = at_nodes[..., :3].sum(axis=1) + forces.sum(axis=1)
     moment = at_nodes[..., 3:].sum(axis=1) + np.cross(frame.nodes, at_nodes[..., :3]).sum(axis=1)
@@ -271,17 +271,41 @@ def test_cases_solved_together_are_those_solved_one_by_one_over_one_pattern():
     assert both.displacements.shape == (5, len(frame.nodes), 6)
 
 
-def test_band_and_sparse_factors_agree(monkeypatch):
-    frame = grid(6)
+def star(arms, count):
+    """Straight arms from one node, each of so many members and clamped at its end."""
+    angle = 2 * np.pi * np.arange(arms)[:, None] / arms
+    out = np.arange(1.0, count + 1)
+    points = np.stack([out * np.cos(angle), out * np.sin(angle), 0 * out * angle], axis=2)
+    index = 1 + np.arange(arms * count).reshape(arms, count)
+    inner = np.concatenate([np.zeros((arms, 1), dtype=int), index[:, :-1]], axis=1)
+    members = np.stack([inner.ravel(), index.ravel()], axis=1)
+    nodes = np.concatenate([np.zeros((1, 3)), points.reshape(-1, 3)])
+    return frame_of(nodes, members, dict.fromkeys(index[:, -1].tolist(), FIXED))
+
+
+def test_a_frame_is_factorised_as_a_band_or_sparse_whichever_is_less_work():
+    assert pattern_of(grid(12)).band > 0
+    assert pattern_of(star(50, 20)).band == 0
+
+
+@pytest.mark.parametrize("frame", [grid(6), star(7, 5)], ids=["grid", "star"])
+def test_band_and_sparse_factors_agree(frame, monkeypatch):
     generator = np.random.default_rng(0)
+    frame = replace(frame, springs=generator.uniform(0.0, 1e6, (len(frame.nodes), 6)))
     rigidities = random_rigidities(generator, len(frame.members), True)
     loads = random_loads(generator, frame, 2)
-    banded = solve_frame(frame, rigidities, loads)
-    monkeypatch.setattr("heliform.engines.structure.assembly._BAND_WORK", 0.0)
-    pattern = pattern_of(frame)
-    assert pattern.band == 0
-    sparse = solve_frame(frame, rigidities, loads, pattern)
-    assert close(banded.displacements, sparse.displacements, 1e-9)
+    answers = []
+    for speed, banded in ((1e9, True), (0.0, False)):
+        monkeypatch.setattr("heliform.engines.structure.assembly._BAND_SPEED", speed)
+        monkeypatch.setattr("heliform.engines.structure.assembly._SPARSE_START", 0.0)
+        pattern = pattern_of(frame)
+        assert (pattern.band > 0) == banded
+        matrix = pattern.matrix(members_of(frame, rigidities).world, frame.springs)
+        pushed = pattern.gathered(loads.nodal)
+        system = factorise(frame, rigidities, pattern)
+        assert close(matrix @ system.factor.solve(pushed), pushed, 1e-9)
+        answers.append(solve_frame(frame, rigidities, loads, pattern).displacements)
+    assert close(*answers, 1e-9)
 
 
 def test_no_load_case_gives_no_answer_and_no_load_moves_nothing():

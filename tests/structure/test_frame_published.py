@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from structure.frames import arc, cases_of, chain_of, frame_of, stiff
 from heliform.engines.structure.frame import FIXED
 from heliform.engines.structure.linear import solve_frame
+from structure.frames import arc, cases_of, chain_of, frame_of, stiff
 
 X, Y, Z = np.eye(3)
 
@@ -45,9 +45,7 @@ def test_rolled_members_move_and_hold_as_in_kassimali_example_8_4():
     roll = np.radians(30.0)
     frame = three_legs(240.0, [Y, Z, (-np.sin(roll), np.cos(roll), 0.0)])
     section = stiff(3, 29000 * 32.9, 29000 * 716.0, 29000 * 236.0, 11500 * 15.1)
-    loads = cases_of(
-        frame, {0: (0.0, 0.0, 0.0, -1800.0, 0.0, 1800.0)}, line={0: (0.0, -0.25, 0.0)}
-    )
+    loads = cases_of(frame, {0: (0.0, 0.0, 0.0, -1800.0, 0.0, 1800.0)}, line={0: (0.0, -0.25, 0.0)})
     response = solve_frame(frame, section, loads)
     printed = [-1.3522e-3, -2.7965e-3, -1.812e-3, -3.0021e-3, 1.0569e-3, 6.4986e-3]
     np.testing.assert_allclose(response.displacements[0, 0], printed, rtol=5e-5)
@@ -100,9 +98,7 @@ def test_each_load_on_the_pitched_portal_answers_as_code_aster_prints_it():
         rtol=2e-5,
     )
     printed = [[0.0, -0.0149733], [-0.03000956, -0.00299466], [0.0273532, -0.001215646]]
-    np.testing.assert_allclose(
-        response.displacements[:, 2, [0, 2]], printed, rtol=2e-4, atol=1e-12
-    )
+    np.testing.assert_allclose(response.displacements[:, 2, [0, 2]], printed, rtol=2e-4, atol=1e-12)
 
 
 def test_a_space_truss_pulls_and_pushes_as_in_bedford_and_fowler_6_64():

@@ -8,7 +8,6 @@ from heliform.engines.core.errors import SceneError
 from heliform.engines.structure.check_frame import check_frame
 from heliform.engines.structure.frame import FIXED
 from heliform.engines.structure.linear import solve_frame
-
 from structure.frames import cases_of, chain_of, frame_of, stiff
 
 POINTS = np.array([(0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0)], dtype=float)
@@ -26,7 +25,7 @@ def with_node(point, **changes):
 
 
 def in_parts():
-    nodes = np.concatenate([POINTS, POINTS + (0, 5, 0)])
+    nodes = np.concatenate([POINTS, POINTS + np.array((0, 5, 0))])
     members = [(0, 1), (1, 2), (2, 3), (4, 5), (5, 6), (6, 7)]
     return frame_of(nodes, members, {0: FIXED, 4: (True, True, True, False, False, False)})
 

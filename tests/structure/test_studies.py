@@ -41,7 +41,7 @@ def test_a_quarter_of_the_material_as_in_figure_29(tmp_path):
 @pytest.mark.slow
 def test_timber_fails_and_a_mixture_saves_energy_as_in_figure_30(tmp_path):
     figures = figures_of("structure-roof", tmp_path / "out")
-    assert figures["timber.failing"] > 0
+    assert figures["timber.failing"] > figures["timber-held.failing"] == 0
     assert figures["steel.failing"] == figures["mixed.failing"] == 0
     saved = 1 - figures["mixed.embodied_energy"] / figures["steel.embodied_energy"]
     assert saved == pytest.approx(0.3, abs=0.07)
