@@ -44,6 +44,14 @@ class Pattern:
     indices: NDArray[np.int32]
     indptr: NDArray[np.int32]
 
+    def fits(self, frame: Frame) -> bool:
+        """Whether it is the pattern of a frame with these members and held freedoms."""
+        free = np.zeros(self.freedoms, dtype=bool)
+        free[self.free] = True
+        return np.array_equal(self.places, freedoms_of(frame)) and np.array_equal(
+            free, ~frame.held.ravel()
+        )
+
     def matrix(self, members: Vector, springs: Vector | None = None) -> csc_matrix:
         """The members' (M, 12, 12) in world axes and springs (N, 6), added up (n, n)."""
         shape = (len(self.free), len(self.free))

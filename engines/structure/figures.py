@@ -63,11 +63,12 @@ def notes_on(result: "Sized", chosen: "Chosen") -> list[str]:
             f"{m} (nodes {members[m, 0]} and {members[m, 1]}, {rows['utilisation'][m]:.3g})"
             for m in worst.tolist()
         )
+        even = " even with the largest section" if chosen.converged else ""
         more = " and others" if failing > _NAMED else ""
         notes.append(
-            f"{failing} of {len(rows)} members fail even with the largest section: member {said}"
-            f"{more}; widen their range, give them steel or a shorter span, or set turns to 1, which "
-            "lets fewer sections shrink."
+            f"{failing} of {len(rows)} members fail{even}: member {said}"
+            f"{more}; widen their range, give them steel or a shorter span, or set turns "
+            "to 1, which lets fewer sections shrink."
         )
     if not chosen.converged:
         notes.append(

@@ -77,10 +77,13 @@ def factor_of(pattern: Pattern, members: Vector, springs: Vector | None = None) 
 def factorise(frame: Frame, rigidities: Rigidities, pattern: Pattern | None = None) -> System:
     """The frame's stiffness, factorised, with everything needed to solve it for loads.
 
-    Raises SceneError as `check_frame`, and for a mechanism, named.
+    Raises SceneError as `check_frame`, and for a mechanism, named; ValueError for a pattern of
+    another frame.
     """
     check_frame(frame, rigidities)
     pattern = pattern_of(frame) if pattern is None else pattern
+    if not pattern.fits(frame):
+        raise ValueError("The pattern is that of other members or other held freedoms.")
     check_ends(frame, rigidities)
     members = members_of(frame, rigidities)
     factor = factor_of(pattern, members.world, frame.springs)

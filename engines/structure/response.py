@@ -62,20 +62,20 @@ class Response:
         along x is N/A + My z/Iy − Mz y/Iz: positive My pulls where z is positive.
         """
         part = np.asarray(stations, dtype=np.float64)
-        along = self.lengths[:, None] * part  # (M, S)
-        start = self.end_forces[:, :, None, :6]
-        first = self.line[:, :, None, 0]
-        slope = self.line[:, :, None, 1] - first
-        ahead = along[..., None]  # (M, S, 1)
-        share = part[:, None]  # (S, 1)
-        loads = ahead * (first + 0.5 * share * slope)
-        levers = ahead**2 * (0.5 * first + share * slope / 6.0)
-        forces = np.empty((*self.end_forces.shape[:2], len(part), 6))
-        forces[..., :3] = -(start[..., :3] + loads)
-        forces[..., 3] = -start[..., 3]
-        forces[..., 4] = -start[..., 4] - along * start[..., 2] - levers[..., 2]
-        forces[..., 5] = -start[..., 5] + along * start[..., 1] + levers[..., 1]
-        return forces
+        length = self.lengths[:, None]
+        start, first = self.end_forces[..., :6], self.line[:, :, 0]
+        slope = self.line[:, :, 1] - first
+        powers = np.zeros((4, *start.shape))  # of the share of the length that is passed
+        powers[0] = -start
+        powers[1, ..., :3] = -length * first
+        powers[2, ..., :3] = -0.5 * length * slope
+        for moment, along, sign in ((4, 2, -1.0), (5, 1, 1.0)):
+            lever = sign * self.lengths
+            powers[1, ..., moment] = lever * start[..., along]
+            powers[2, ..., moment] = lever * self.lengths * first[..., along] / 2.0
+            powers[3, ..., moment] = lever * self.lengths * slope[..., along] / 6.0
+        forces = np.vander(part, 4, increasing=True) @ powers.reshape(4, -1)
+        return np.moveaxis(forces.reshape(len(part), *start.shape), 0, 2)
 
     def deflections(self, stations: Vector) -> Vector:
         """Displacements (C, M, S, 3) in m, world axes, at ``stations`` (S,) in 0..1 of the length.

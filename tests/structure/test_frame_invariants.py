@@ -4,10 +4,9 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from heliform.engines.structure.assembly import pattern_of
-from heliform.engines.structure.frame import FIXED, Frame, Rigidities
-from heliform.engines.structure.linear import factorise, solve_frame, solve_system
-from heliform.engines.structure.loads import Loads, joined
+from heliform.engines.structure.frame import Frame, Rigidities
+from heliform.engines.structure.linear import solve_frame
+from heliform.engines.structure.loads import Loads
 from heliform.engines.structure.stiffness import (
     coefficients,
     elastic_forces,
@@ -16,8 +15,6 @@ from heliform.engines.structure.stiffness import (
     transform,
 )
 from structure.frames import (
-    frame_of,
-    grid,
     random_frame,
     random_loads,
     random_rigidities,
@@ -259,67 +256,3 @@ def test_two_loads_do_the_same_work_on_each_other_as_betti_says(seed):
     moved = solve_frame(frame, rigidities, loads).displacements
     work = np.einsum("cni,dni->cd", loads.nodal, moved)
     assert work[0, 1] == pytest.approx(work[1, 0], rel=1e-9, abs=1e-9 * work[0, 0])
-
-
-def test_cases_solved_together_are_those_solved_one_by_one_over_one_pattern():
-    frame, rigidities, loads = case(4)
-    other = random_loads(np.random.default_rng(9), frame, 2)
-    both = solve_frame(frame, rigidities, joined(loads, other), pattern_of(frame))
-    system = factorise(frame, rigidities, pattern_of(replace(frame, nodes=frame.nodes + 1.0)))
-    alone = solve_system(system, other)
-    assert close(both.displacements[3:], alone.displacements, 1e-12)
-    assert both.displacements.shape == (5, len(frame.nodes), 6)
-
-
-def star(arms, count):
-    """Straight arms from one node, each of so many members and clamped at its end."""
-    angle = 2 * np.pi * np.arange(arms)[:, None] / arms
-    out = np.arange(1.0, count + 1)
-    points = np.stack([out * np.cos(angle), out * np.sin(angle), 0 * out * angle], axis=2)
-    index = 1 + np.arange(arms * count).reshape(arms, count)
-    inner = np.concatenate([np.zeros((arms, 1), dtype=int), index[:, :-1]], axis=1)
-    members = np.stack([inner.ravel(), index.ravel()], axis=1)
-    nodes = np.concatenate([np.zeros((1, 3)), points.reshape(-1, 3)])
-    return frame_of(nodes, members, dict.fromkeys(index[:, -1].tolist(), FIXED))
-
-
-def test_a_frame_is_factorised_as_a_band_or_sparse_whichever_is_less_work():
-    assert pattern_of(grid(12)).band > 0
-    assert pattern_of(star(50, 20)).band == 0
-
-
-@pytest.mark.parametrize("frame", [grid(6), star(7, 5)], ids=["grid", "star"])
-def test_band_and_sparse_factors_agree(frame, monkeypatch):
-    generator = np.random.default_rng(0)
-    frame = replace(frame, springs=generator.uniform(0.0, 1e6, (len(frame.nodes), 6)))
-    rigidities = random_rigidities(generator, len(frame.members), True)
-    loads = random_loads(generator, frame, 2)
-    answers = []
-    for speed, banded in ((1e9, True), (0.0, False)):
-        monkeypatch.setattr("heliform.engines.structure.assembly._BAND_SPEED", speed)
-        monkeypatch.setattr("heliform.engines.structure.assembly._SPARSE_START", 0.0)
-        pattern = pattern_of(frame)
-        assert (pattern.band > 0) == banded
-        matrix = pattern.matrix(members_of(frame, rigidities).world, frame.springs)
-        pushed = pattern.gathered(loads.nodal)
-        system = factorise(frame, rigidities, pattern)
-        assert close(matrix @ system.factor.solve(pushed), pushed, 1e-9)
-        answers.append(solve_frame(frame, rigidities, loads, pattern).displacements)
-    assert close(*answers, 1e-9)
-
-
-def test_no_load_case_gives_no_answer_and_no_load_moves_nothing():
-    frame, rigidities, loads = case(0)
-    none = replace(
-        loads,
-        names=(),
-        actions=(),
-        gravity=loads.gravity[:0],
-        nodal=loads.nodal[:0],
-        line=loads.line[:0],
-    )
-    assert solve_frame(frame, rigidities, none).displacements.shape == (0, len(frame.nodes), 6)
-    idle = replace(loads, gravity=0 * loads.gravity, nodal=0 * loads.nodal, line=0 * loads.line)
-    response = solve_frame(frame, rigidities, idle)
-    assert not response.displacements.any()
-    assert response.imbalance.tolist() == [0.0, 0.0, 0.0]
