@@ -18,7 +18,7 @@ from ..engines.structure.structure import Structure, size_structure
 from ..engines.structure.surface import Net
 from . import live, objects
 from .bridge import handles, layers, members
-from .bridge.read import read_mesh
+from .bridge.meshes import network_from_blender
 from .properties import read, scale_of, write
 from .staging import Gathered, Objects, Staging
 
@@ -87,8 +87,11 @@ def scene_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> Scene:
 def _scene(source: bpy.types.Object | None, scene: bpy.types.Scene) -> Scene:
     if source is None:
         return Scene()
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    return Scene((Body(source.name, read_mesh(source, depsgraph, scale_of(scene)), Material()),))
+    evaluated = source.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    matrix = np.array(evaluated.matrix_world)
+    matrix[:3] *= scale_of(scene)
+    network = network_from_blender(evaluated).moved(matrix)
+    return Scene((Body(source.name, network, Material()),))
 
 
 def rebuild(

@@ -88,6 +88,30 @@ def from_blender(evaluated: bpy.types.Object) -> Mesh:
         return Mesh(places_of(block), corners_of(block)[picked], normals)
 
 
+def network_from_blender(evaluated: bpy.types.Object) -> Mesh:
+    """The edges of an evaluated object, and those faces that have three or four of them.
+
+    In its own axes and Blender units. Everything is a quadrilateral: a triangle names its last
+    corner twice, an edge both. Raises SceneError, naming the object, where there are no edges.
+    """
+    block = evaluated.to_mesh()
+    try:
+        if block is None or not block.edges:
+            raise SceneError(f"“{evaluated.name}” has no edges; draw some, or choose another mesh.")
+        places, edges = edges_from_blender(block)
+        starts = np.empty(len(block.polygons), dtype=np.int32)
+        block.polygons.foreach_get("loop_start", starts)
+        sides = np.diff(np.append(starts, len(block.loops)))
+        corners = corners_of(block) if len(block.loops) else np.zeros(0, dtype=np.int32)
+        faces = [edges[:, [0, 1, 1, 0]]]
+        for count in (3, 4):
+            order = np.minimum(np.arange(4), count - 1)
+            faces.append(corners[starts[sides == count][:, None] + order])
+        return Mesh(places, np.concatenate(faces).astype(np.int32))
+    finally:
+        evaluated.to_mesh_clear()
+
+
 def textured_from_blender(evaluated: bpy.types.Object) -> Textured:
     """The flat faces of an evaluated object and its active UV map, otherwise as `from_blender`."""
     with mesh_of(evaluated) as block:

@@ -17,8 +17,8 @@ class Demand:
     ``forces`` (K, M, S, 6) in N and N·m in the order of FORCES, local axes, acting on the face
     whose outward normal is local x: N is positive in tension. ``lengths`` (M,) in m;
     ``buckling_y``, ``buckling_z`` (M,): the lengths in m over which a member buckles about y and
-    about z; ``lateral`` (M,): between lateral restraints, for lateral-torsional buckling. ``duration`` (K,)
-    text or None: the load-duration class of each combination, for timber.
+    about z; ``lateral`` (M,): between lateral restraints, for lateral-torsional buckling.
+    ``duration`` (K,) text or None: the load-duration class of each combination, for timber.
     """
 
     forces: Vector

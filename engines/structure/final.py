@@ -46,7 +46,12 @@ def final_of(
     response = first.combined(combinations.factors)
     if rules.second_order:
         response = solve_second_order(
-            task.frame, rigidities, task.loads, combinations.factors, pattern
+            task.frame,
+            rigidities,
+            task.loads,
+            combinations.factors,
+            pattern,
+            names=combinations.names,
         )
     demand = chosen.demand
     checked = _renumbered(check_members(demand, pool, chosen.sections, rules), ultimate)
@@ -130,7 +135,7 @@ def _modes(
         return np.zeros(0), np.zeros(0)
     frequencies, _ = natural_frequencies(task.frame, rigidities, count)
     found = [
-        buckling_factors(task.frame, rigidities, first.combined(row[None]), count)[0]
+        buckling_factors(task.frame, rigidities, first.combined(row[None]), count, pieces=2)[0]
         for row in factors
     ]
     return frequencies, np.sort(np.concatenate(found))[:count]

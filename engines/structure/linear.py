@@ -1,16 +1,14 @@
 """First-order analysis of a frame: every load case at once."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
-from scipy.sparse.linalg import splu
 
 from ..core.errors import SceneError
 from ..core.scene import Vector
 from .assembly import Pattern, pattern_of
 from .check_frame import check_frame
+from .factor import Factor, factor_of
 from .frame import Frame, Rigidities
 from .loads import Loads
 from .mechanism import check_ends, check_factor
@@ -19,14 +17,6 @@ from .stiffness import Members, elastic_forces, equivalent_loads, members_of
 
 TOLERANCE = 1e-9
 _GAIN = 0.5  # a refinement that leaves more of the imbalance is the last
-
-
-class Factor(Protocol):
-    """A factorised stiffness matrix of n unknowns."""
-
-    def solve(self, right: Vector) -> Vector:
-        """Displacements (n, C) for the forces ``right`` (n, C)."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,40 +28,6 @@ class System:
     pattern: Pattern
     members: Members
     factor: Factor
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class BandFactor:
-    """Cholesky's factor of a band."""
-
-    band: Vector
-
-    def solve(self, right: Vector) -> Vector:
-        """Displacements (n, C) for the forces ``right`` (n, C)."""
-        return cho_solve_banded((self.band, True), right, check_finite=False)
-
-
-def factor_of(pattern: Pattern, members: Vector, springs: Vector | None = None) -> Factor | None:
-    """The factor of members (M, 12, 12) in world axes and springs (N, 6).
-
-    None where the matrix is not positive definite.
-    """
-    if pattern.band:
-        band = pattern.banded(members, springs)
-        try:
-            return BandFactor(cholesky_banded(band, True, lower=True, check_finite=False))
-        except LinAlgError:  # not positive definite
-            return None
-    try:
-        factor = splu(
-            pattern.matrix(members, springs),
-            permc_spec="NATURAL",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-    except RuntimeError:  # exactly singular
-        return None
-    return factor if (factor.U.diagonal() > 0.0).all() else None
 
 
 def factorise(frame: Frame, rigidities: Rigidities, pattern: Pattern | None = None) -> System:
@@ -87,7 +43,7 @@ def factorise(frame: Frame, rigidities: Rigidities, pattern: Pattern | None = No
     check_ends(frame, rigidities)
     members = members_of(frame, rigidities)
     factor = factor_of(pattern, members.world, frame.springs)
-    check_factor(frame, pattern, members.world, factor)
+    check_factor(frame, pattern, members, factor)
     assert factor is not None
     return System(frame, rigidities, pattern, members, factor)
 

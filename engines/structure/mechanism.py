@@ -10,8 +10,9 @@ from ..core.errors import SceneError
 from ..core.scene import Vector
 from .assembly import Pattern
 from .check_frame import listed, named
+from .factor import Factor
 from .frame import Frame, Rigidities
-from .stiffness import local_stiffness
+from .stiffness import Members, local_stiffness
 
 # Least eigenvalue of the matrix scaled to a unit diagonal. Mechanisms come out at 1e-17 to 4e-15,
 # whatever their size; below the limit rounding would leave fewer than two digits of a solution.
@@ -20,6 +21,7 @@ _SUSPECT = 1e-12  # one random probe overestimates it
 _FREE_END = 1e-9  # the same of a member's released ends alone
 _MODES, _ROUNDS, _SHIFT = 6, 6, 1e-11
 _STILL = 1e-4  # of the greatest movement
+_STRAIN = 1e-5  # a mechanism found to rounding leaves members a hundredth of it
 _AXES = ("x", "y", "z")
 
 
@@ -43,29 +45,27 @@ def check_ends(frame: Frame, rigidities: Rigidities) -> None:
     member = int(some[loose[0]])
     mode = np.abs(modes[loose[0], :, 0] * scale[loose[0]])
     freedom = int(np.argmax(mode)) % 6
-    moves, remedy = {
-        0: ("slide along its own axis", "axial force is released at both ends"),
-        3: ("spin about its own axis", "torsion is released at both ends"),
-    }.get(
-        freedom,
-        (
-            f"swing along its local {'y' if freedom in (1, 5) else 'z'}",
-            "shear and bending are released at too many of its ends",
-        ),
-    )
-    raise SceneError(f"{named(frame, member)} can {moves}: its {remedy}; release fewer.")
+    if freedom == 0:
+        moves, reason = "slide along its own axis", "axial force is released at both ends"
+    elif freedom == 3:
+        moves, reason = "spin about its own axis", "torsion is released at both ends"
+    else:
+        moves = f"swing along its local {'y' if freedom in (1, 5) else 'z'}"
+        reason = "shear and bending are released at too many of its ends"
+    raise SceneError(f"{named(frame, member)} can {moves}: its {reason}; release fewer.")
 
 
-def check_factor(frame: Frame, pattern: Pattern, world: Vector, factor) -> None:
-    """Refuse a stiffness, ``world`` (M, 12, 12) of members, under which something moves freely.
+def check_factor(frame: Frame, pattern: Pattern, members: Members, factor: Factor | None) -> None:
+    """Refuse members whose stiffness lets something move freely.
 
     ``factor`` is that of the whole matrix, or None where it was not positive definite. A random
     load is solved for; only if the answer is very large, the smallest eigenvalue of the matrix
     scaled to a unit diagonal is looked for.
 
-    Raises SceneError which names the nodes and how they move.
+    Raises SceneError which names the nodes and how they move; or the members that deform in such a
+    motion beside those that are far stiffer, where rounding would leave no digit of an answer.
     """
-    count = len(pattern.free)
+    count, world = len(pattern.free), members.world
     if not count:
         return
     scale = np.sqrt(np.maximum(pattern.diagonal_of(world, frame.springs), 0.0))
@@ -76,7 +76,17 @@ def check_factor(frame: Frame, pattern: Pattern, world: Vector, factor) -> None:
             probe = scale * factor.solve((scale * probe)[:, None])[:, 0]
             if np.linalg.norm(probe) * limit < 1.0:
                 return
-    raise SceneError(_explained(frame, _free_motion(frame, pattern, world, scale)))
+    motion = _free_motion(frame, pattern, world, scale)
+    strain = _strain(frame, members, motion)
+    if strain.max() > _STRAIN:
+        soft = int(np.argmax(strain))
+        hard = int(np.argmax(np.abs(world[:, :3, :3]).max(axis=(1, 2))))
+        raise SceneError(
+            f"{named(frame, soft)} gives way so easily beside {named(frame, hard).lower()} that "
+            "rounding leaves no digit of the answer; bring their lengths and stiffness closer "
+            "together."
+        )
+    raise SceneError(_explained(frame, motion))
 
 
 def _free_motion(frame: Frame, pattern: Pattern, world: Vector, scale: Vector) -> Vector:
@@ -99,6 +109,20 @@ def _free_motion(frame: Frame, pattern: Pattern, world: Vector, scale: Vector) -
     motions = pattern.spread(sparse * inverse[:, None])
     moving = [_moving(frame, motion).sum() for motion in motions]
     return motions[int(np.argmin(moving))]
+
+
+def _strain(frame: Frame, members: Members, motion: Vector) -> Vector:
+    """By how much each member (M,) deforms in a motion (N, 6), over the greatest movement."""
+    at_nodes = motion[frame.members].reshape(1, -1, 12)
+    ends = members.end_displacements(at_nodes, np.zeros_like(at_nodes))[0]
+    across = (ends[:, 6:] - ends[:, :6]) / members.coefficients.lengths[:, None]
+    turns = np.stack([ends[:, 3:6], ends[:, 9:12]], axis=1)
+    turns[:, :, 1] += across[:, None, 2]  # rotations against the chord
+    turns[:, :, 2] -= across[:, None, 1]
+    turns[:, :, 0] = turns[:, 1:, 0] - turns[:, :1, 0]
+    deformed = np.maximum(np.abs(turns).max(axis=(1, 2)), np.abs(across[:, 0]))
+    size = np.abs(motion[:, :3]).max() / _lever(frame) + np.abs(motion[:, 3:]).max()
+    return deformed / size
 
 
 def _alone(frame: Frame, pattern: Pattern, world: Vector) -> Vector | None:

@@ -110,7 +110,8 @@ def demand_of(task: Task, sections: Index, pattern: Pattern) -> tuple[Demand, Re
     ultimate = task.combinations.limit == "ultimate"
     factors = task.combinations.factors[ultimate]
     if rules.second_order:
-        response = solve_second_order(frame, rigidities, task.loads, factors, pattern)
+        names = [task.combinations.names[k] for k in np.flatnonzero(ultimate)]
+        response = solve_second_order(frame, rigidities, task.loads, factors, pattern, names=names)
     else:
         response = solve_frame(frame, rigidities, task.loads, pattern).combined(factors)
     lengths = response.lengths

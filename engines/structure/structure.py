@@ -16,6 +16,7 @@ from .assembly import Pattern, pattern_of
 from .candidates import Index
 from .facade import Facade, facade_model
 from .final import final_of
+from .form_finding import FormFinding, formed
 from .from_mesh import Network, model_from_edges
 from .grouping import size_with_few
 from .level_set import Nine, is_steel, turn_at, turned
@@ -46,6 +47,7 @@ class Structure:
     material: Nine = nested(Nine, "Level set over the surface: above 0 is steel, else timber")  # noqa: RUF009
     turn: Nine = nested(Nine, "How far members are turned about themselves, over the surface")  # noqa: RUF009
     turn_limit: float = param(0.0, "deg", 0.0, 90.0, "Turn at a level of 1")
+    form_finding: FormFinding = nested(FormFinding, "Shape that a net finds")  # noqa: RUF009
     loading: Loading = nested(Loading, "Loads")  # noqa: RUF009
     rules: Rules = nested(Rules, "How sections are chosen and checked")  # noqa: RUF009
 
@@ -127,16 +129,27 @@ def model_of(record: Structure, scene: Scene) -> Model:
         model = mesh_model(scene.bodies[0].mesh, record.network)
     else:
         raise SceneError("There is no body whose edges could be members; add one.")
+    model = formed(model, record.form_finding)
     if record.turn_limit:
         model = turned(model, turn_at(record.turn, model.surface, math.radians(record.turn_limit)))
     return model
 
 
 def mesh_model(mesh: Mesh, network: Network) -> Model:
-    """The model whose members are a mesh's edges. Raises SceneError as `model_from_edges`."""
-    ends = np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=-1).reshape(-1, 2)
-    edges = np.unique(np.sort(ends, axis=1), axis=0)
-    return model_from_edges(mesh.vertices, edges, mesh.faces.tolist(), network)
+    """The model whose members are a mesh's edges. Raises SceneError as `model_from_edges`.
+
+    A face that names a corner again right after it has one corner less; one of two corners is an
+    edge alone.
+    """
+    ends = np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=-1)
+    changes = ends[..., 0] != ends[..., 1]
+    edges = np.unique(np.sort(ends[changes], axis=1), axis=0)
+    cells = [
+        face[kept].tolist()
+        for face, kept in zip(mesh.faces, changes, strict=True)
+        if kept.sum() > 2
+    ]
+    return model_from_edges(mesh.vertices, edges, cells, network)
 
 
 def _start(task: Task, start: Sized | None) -> Index | None:

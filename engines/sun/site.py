@@ -2,7 +2,10 @@
 
 from dataclasses import dataclass
 
-from ..core.parameters import param
+import numpy as np
+
+from ..core.parameters import check_value, fields_of, param
+from ..core.scene import Vector
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -16,3 +19,26 @@ class Site:
     north: float = param(
         0.0, "deg", -360.0, 360.0, "Azimuth of the model's +Y axis, clockwise from north"
     )
+
+
+def check_site(site: Site) -> None:
+    """Raise ParameterError for a value out of bounds, as a latitude beyond a pole."""
+    for field in fields_of(Site):
+        check_value(field, getattr(site, field.name), "site")
+
+
+def to_model(directions: Vector, site: Site) -> Vector:
+    """World directions (…, 3), X east, Y north, Z up, in the axes of the site's model."""
+    return directions @ _model_axes(site).T
+
+
+def to_world(directions: Vector, site: Site) -> Vector:
+    """Directions (…, 3) in the model's axes as world directions: `to_model` undone."""
+    return directions @ _model_axes(site)
+
+
+def _model_axes(site: Site) -> Vector:
+    """The model's axes (3, 3) as rows of world directions; +Y stands at azimuth ``north``."""
+    turn = np.radians(site.north)
+    sine, cosine = np.sin(turn), np.cos(turn)
+    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])

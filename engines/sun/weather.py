@@ -13,11 +13,11 @@ from .site import Site
 class Weather:
     """T intervals of a typical year, in order.
 
-    ``times`` (T,) datetime64[s], UTC: the middle of each interval, all in ``year``; ``hours`` (T,)
-    float64: how long each is, in h. ``global_horizontal``, ``direct_normal``, ``diffuse_horizontal``
-    (T,) in W/m², means over the intervals; ``temperature`` (T,) in °C, ``dew_point`` (T,) in °C,
-    ``pressure`` (T,) in Pa, NaN where unknown. ``site`` is the file's; ``source`` names it.
-    ``notes``: what was missing, guessed or repaired.
+    ``times`` (T,) datetime64[s], UTC: the middle of each interval, in ``year`` by the site's
+    standard time; ``hours`` (T,) float64: how long each is, in h. ``global_horizontal``,
+    ``direct_normal``, ``diffuse_horizontal`` (T,) in W/m², means over the intervals; ``temperature``
+    (T,) in °C, ``dew_point`` (T,) in °C, ``pressure`` (T,) in Pa, NaN where unknown. ``site`` is the
+    file's; ``source`` names it. ``notes``: what was missing, guessed or repaired.
     """
 
     site: Site
@@ -32,3 +32,13 @@ class Weather:
     pressure: Vector
     source: str
     notes: tuple[str, ...] = field(default=())
+
+    @property
+    def local_times(self) -> NDArray[np.datetime64]:
+        """``times`` by the site's standard time, (T,) datetime64[s]."""
+        return self.times + seconds(3600.0 * self.site.utc_offset)
+
+
+def seconds(count: float) -> np.timedelta64:
+    """A length of time in whole seconds."""
+    return np.timedelta64(round(count), "s")

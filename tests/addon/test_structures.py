@@ -278,3 +278,28 @@ def test_without_a_structure_operators_say_so(scene):
         bpy.ops.heliform.worst_member()
     with pytest.raises(RuntimeError, match="Select a structure"):
         bpy.ops.heliform.size_structure()
+
+
+def test_edges_without_faces_become_a_structure_too(scene):
+    block = bpy.data.meshes.new("Wires")
+    corners = [(0, 0, 0), (4, 0, 0), (0, 4, 0), (2, 2, 3), (2, 2, 4)]
+    block.from_pydata(corners, [(0, 3), (1, 3), (2, 3), (3, 4)], [])
+    obj = bpy.data.objects.new("Wires", block)
+    scene.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.heliform.structure_from_mesh()
+    made = bpy.context.object
+    assert not made.heliform.problem
+    assert members.facts_of(made)["figures"]["members"]["value"] == 4
+
+
+def test_faces_of_a_mesh_carry_a_load_and_its_diagonals_are_no_members(scene):
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=4, y_subdivisions=4, size=8)
+    bpy.ops.heliform.structure_from_mesh()
+    made = bpy.context.object
+    made.heliform.structure.network.supports = "boundary"
+    made.heliform.structure.loading.area_load = 1000
+    facts = members.facts_of(made)
+    assert not made.heliform.problem
+    assert facts["figures"]["members"]["value"] == 2 * 4 * 5
+    assert any("area load" in str(line) for line in facts["combinations"])

@@ -139,6 +139,25 @@ def test_a_long_slender_cantilever_is_no_mechanism_and_a_pinned_one_is(count):
         solve_frame(pinned, section, cases_of(pinned))
 
 
+@pytest.mark.parametrize("stub", [1e-1, 1e-2, 1e-3])
+def test_short_members_between_long_ones_are_solved_to_the_last_digits(stub):
+    section = stiff(3, 2e9, 2e7, 2e7, 5e6)
+    points = np.array([0.0, 5.0, 5.0 + stub, 10.0])[:, None] * SKEW
+    frame = chain_of(points, {0: FIXED})
+    push = np.concatenate([1e3 * frame.axes()[0, 2], np.zeros(3)])
+    moved = solve_frame(frame, section, cases_of(frame, {3: push})).displacements[0, 3, :3]
+    np.testing.assert_allclose(moved, push[:3] * 1000.0 / 6e7, rtol=1e-9)
+
+
+def test_what_rounding_would_spoil_is_refused_with_the_members_that_do_not_go_together():
+    points = np.array([0.0, 5.0, 5.0 + 1e-5, 10.0])[:, None] * SKEW
+    text = said(chain_of(points, {0: FIXED}))
+    assert text == (
+        "Member 0 (nodes 0 and 1) gives way so easily beside member 1 (nodes 1 and 2) that "
+        "rounding leaves no digit of the answer; bring their lengths and stiffness closer together."
+    )
+
+
 def freedoms_left(frame, rigidities):
     """How many ways a frame moves freely, found without condensing: released ends are unknowns."""
     count = 6 * len(frame.nodes)
