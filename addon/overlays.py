@@ -14,6 +14,7 @@ from mathutils import Vector
 
 from ..engines.core.colour import Axis, ColourScale
 from .bridge import layers, results
+from .bridge.handles import owner_of
 from .bridge.sections import section_of
 from .pixels import (
     CARD,
@@ -59,11 +60,12 @@ def draw(context: bpy.types.Context) -> None:
         return
     unit = context.preferences.system.ui_scale
     room = free_of(context.area, context.region, 12 * unit)
-    layer = layers.layer_of(context.object)
-    if layer:
-        _draw_marks(context, layer, unit)
+    obj = owner_of(context.object)
+    layer = layers.layer_of(obj)
+    if obj and layer:
+        _draw_marks(context, obj, layer, unit)
         said = f", {layer.scale.unit or 'ratio'}" if layer.scale else ""
-        heading = [layer.quantity, f"{context.object.name}{said}"]
+        heading = [layer.quantity, f"{obj.name}{said}"]
         _draw_legend(_Legend(heading, layer.scale, layer.footing, layer.swatches), room, unit)
     elif results.is_result(settings.shown):
         _draw_result(settings.shown, room, unit)
@@ -150,13 +152,15 @@ def _draw_legend(legend: _Legend, room: Box, unit: float) -> Box:
 # Marks on a layer
 
 
-def _draw_marks(context: bpy.types.Context, layer: layers.Layer, unit: float) -> None:
+def _draw_marks(
+    context: bpy.types.Context, obj: bpy.types.Object, layer: layers.Layer, unit: float
+) -> None:
     """A ring around each marked place, with its label beside it."""
     view = context.space_data.region_3d if context.space_data else None
     if view is None:
         return
     for mark in layer.marks:
-        place = context.object.matrix_world @ Vector(mark.place)
+        place = obj.matrix_world @ Vector(mark.place)
         point = location_3d_to_region_2d(context.region, view, place)
         if point is None:
             continue

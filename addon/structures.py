@@ -71,6 +71,12 @@ def _new(
     return obj
 
 
+def active_structure(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The active object, or the one whose handle is active, where that is a structure."""
+    obj = handles.owner_of(context.object)
+    return obj if obj is not None and obj.heliform.form == STRUCTURE else None
+
+
 def record_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> Structure:
     """What a structure object says of its structure."""
     return read(obj.heliform.structure, Structure, scale_of(scene))
@@ -222,8 +228,8 @@ def follow_handles(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
 
 def _gather(context: bpy.types.Context, analysis: Analysis) -> Gathered:
     """The active structure."""
-    obj, scene = context.object, context.scene
-    if obj is None or obj.heliform.form != STRUCTURE:
+    obj, scene = active_structure(context), context.scene
+    if obj is None:
         raise SceneError("Select a structure to size, or add one with Add Structure.")
     record = record_of(obj, scene)
     given = scene_of(obj, scene)

@@ -6,12 +6,13 @@ from pathlib import Path
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
-from bpy.types import Context, Event, Object, Operator
+from bpy.types import Area, Context, Event, Object, Operator, Region
 from bpy_extras import view3d_utils
 
 from ..addon import structures
 from ..addon.bridge import members
 from ..addon.properties import enum_items
+from ..addon.structures import active_structure
 from ..engines.core.errors import FileError, SceneError
 from ..engines.core.files import safe_name
 from ..engines.structure import SIZE_STRUCTURE
@@ -19,6 +20,7 @@ from ..engines.structure.presets import OF_MESH, PRESETS
 from . import ObjectMode, Reporting, named_folder
 from .run import RunAnalysis, open_report
 
+_PRESETS = [(key, structures.NAMES[key], *rest) for key, _, *rest in enum_items(PRESETS)]
 _CYCLE = 48
 """Frames of a swing of the displaced structure."""
 
@@ -29,7 +31,7 @@ class _OnStructure(Reporting):
     @classmethod
     def poll(cls, context: Context) -> bool:
         """Only with a structure."""
-        if context.object is None or context.object.heliform.form != structures.STRUCTURE:
+        if active_structure(context) is None:
             cls.poll_message_set("Select a structure; Add Structure makes one")  # type: ignore[attr-defined]
             return False
         return True
@@ -42,9 +44,7 @@ class HELIFORM_OT_add_structure(ObjectMode, Operator):
     bl_label = "Add Structure"
     bl_options = {"REGISTER", "UNDO"}
 
-    preset: EnumProperty(
-        name="Preset", description="A structure to start from", items=enum_items(PRESETS)
-    )
+    preset: EnumProperty(name="Preset", description="A structure to start from", items=_PRESETS)
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         """Add it, and bring it into view where it is the first thing of Heliform's."""
@@ -103,9 +103,10 @@ class HELIFORM_OT_rebuild_structure(_OnStructure, Operator):
 
     def act(self, context: Context) -> None:
         """Update it. Raises SceneError where that is not possible."""
-        structures.rebuild(context.object, context.scene, anew=True)
-        if context.object.heliform.problem:
-            raise SceneError(context.object.heliform.problem)
+        obj = _target(context)
+        structures.rebuild(obj, context.scene, anew=True)
+        if obj.heliform.problem:
+            raise SceneError(obj.heliform.problem)
 
 
 class HELIFORM_OT_pick_member(_OnStructure, Operator):
@@ -126,17 +127,18 @@ class HELIFORM_OT_pick_member(_OnStructure, Operator):
         """Pick what is clicked; what is beside the structure is passed over."""
         if event.type in ("ESC", "RIGHTMOUSE"):
             return self._left(context, "CANCELLED")
-        if event.type == "LEFTMOUSE" and event.value == "PRESS":
-            picked = _member_under(context, event)
+        under = _view_under(context, event)
+        if under and event.type == "LEFTMOUSE" and event.value == "PRESS":
+            picked = _member_under(context, *under)
             if picked is not None:
-                context.object.heliform.member = picked
+                _target(context).heliform.member = picked
                 return self._left(context, "FINISHED")
             return {"RUNNING_MODAL"}
         return {"PASS_THROUGH"}
 
     def act(self, context: Context) -> None:
         """Without a mouse: the member that uses most of its resistance."""
-        _pick_worst(context.object)
+        _pick_worst(_target(context))
 
     def _left(self, context: Context, how: str) -> set[str]:
         context.window.cursor_modal_restore()
@@ -153,7 +155,7 @@ class HELIFORM_OT_worst_member(_OnStructure, Operator):
 
     def act(self, context: Context) -> None:
         """Pick it."""
-        _pick_worst(context.object)
+        _pick_worst(_target(context))
 
 
 class HELIFORM_OT_animate_displacement(_OnStructure, Operator):
@@ -165,7 +167,7 @@ class HELIFORM_OT_animate_displacement(_OnStructure, Operator):
 
     def act(self, context: Context) -> None:
         """Give the displaced shape keyframes over two seconds that repeat, or take them away."""
-        obj = context.object
+        obj = _target(context)
         key = members.displaced_key(obj)
         if key is None:
             raise SceneError(f"“{obj.name}” has not been analysed; press Size Members.")
@@ -199,7 +201,7 @@ class HELIFORM_OT_export_members(_OnStructure, Operator):
 
     def act(self, context: Context) -> str:
         """Write a new folder. Raises FileError where that is not possible."""
-        obj = context.object
+        obj = _target(context)
         folder = named_folder(self.directory) / f"{safe_name(obj.name)} members"
         if folder.exists():
             raise FileError(f"“{folder}” is there already; choose another place, or delete it.")
@@ -227,7 +229,7 @@ class HELIFORM_OT_open_structure_report(_OnStructure, Operator):
 
     def act(self, context: Context) -> None:
         """Open it. Raises FileError where there is none."""
-        facts = members.facts_of(context.object)
+        facts = members.facts_of(_target(context))
         if not facts or not facts["folder"]:
             raise FileError("There is no report of what was sized live; press Size Members.")
         open_report(facts["folder"], "size the members again")
@@ -240,31 +242,39 @@ def _pick_worst(obj: Object) -> None:
     obj.heliform.member = worst
 
 
-def _member_under(context: Context, event: Event) -> int | None:
-    """The active structure's member under the mouse, where it is the foremost thing."""
-    area = next(
-        (
-            a
-            for a in context.screen.areas
-            if a.type == "VIEW_3D"
-            and a.x <= event.mouse_x < a.x + a.width
-            and a.y <= event.mouse_y < a.y + a.height
-        ),
-        None,
-    )
-    if area is None:
-        return None
+def _target(context: Context) -> Object:
+    """The structure that `_OnStructure.poll` has found."""
+    found = active_structure(context)
+    assert found is not None
+    return found
+
+
+def _view_under(context: Context, event: Event) -> tuple[Area, tuple[int, int]] | None:
+    """The 3D view under the mouse and where in it; None over its sidebar, header or tools too."""
+    for area in context.screen.areas:
+        over = [region for region in area.regions if _is_over(region, event)]
+        if area.type == "VIEW_3D" and [region.type for region in over] == ["WINDOW"]:
+            return area, (event.mouse_x - over[0].x, event.mouse_y - over[0].y)
+    return None
+
+
+def _is_over(region: Region, event: Event) -> bool:
+    across, up = event.mouse_x - region.x, event.mouse_y - region.y
+    return 0 <= across < region.width and 0 <= up < region.height
+
+
+def _member_under(context: Context, area: Area, place: tuple[int, int]) -> int | None:
+    """The active structure's member at a place of a view, where it is the foremost thing."""
     region = next(r for r in area.regions if r.type == "WINDOW")
-    place = event.mouse_x - region.x, event.mouse_y - region.y
-    view = area.spaces.active.region_3d
+    view, obj = area.spaces.active.region_3d, _target(context)
     origin = view3d_utils.region_2d_to_origin_3d(region, view, place)
     along = view3d_utils.region_2d_to_vector_3d(region, view, place)
     hit, _, _, face, found, _ = context.scene.ray_cast(
         context.evaluated_depsgraph_get(), origin, along
     )
-    if not hit or found.original != context.object:
+    if not hit or found.original != obj:
         return None
-    return members.member_of_face(context.object, face)
+    return members.member_of_face(obj, face)
 
 
 def _look_at_selected(context: Context) -> None:

@@ -9,7 +9,7 @@ from bpy.types import Context, Object, Panel, UILayout
 from ..addon import jobs
 from ..addon.bridge import members
 from ..addon.properties import draw
-from ..addon.structures import STRUCTURE
+from ..addon.structures import active_structure
 from ..engines.core.parameters import fields_of
 from ..engines.structure.loading import Loading
 from ..engines.structure.rules import Rules
@@ -26,9 +26,9 @@ _FIGURES = (
     ("mass_timber", "Timber", 1e-3, "t"),
     ("embodied_energy", "Embodied energy", 1.0, "GJ"),
     ("carbon", "Carbon", 1e-3, "t CO₂e"),
-    ("max_utilisation", "Greatest use", 100.0, "%"),
+    ("max_utilisation", "Utilisation", 100.0, "%"),
     ("max_displacement", "Displacement", 1e3, "mm"),
-    ("max_service_utilisation", "Of its limit", 100.0, "%"),
+    ("max_service_utilisation", "Deflection limit", 100.0, "%"),
     ("first_frequency", "Frequency", 1.0, "Hz"),
     ("buckling_factor", "Buckling factor", 1.0, ""),
     ("members", "Members", 1.0, ""),
@@ -49,7 +49,7 @@ class _Part(Room):
     @classmethod
     def poll(cls, context: Context) -> bool:
         """Only with a structure."""
-        return context.object is not None and context.object.heliform.form == STRUCTURE
+        return active_structure(context) is not None
 
 
 class HELIFORM_PT_structure_start(Room, Panel):
@@ -61,7 +61,7 @@ class HELIFORM_PT_structure_start(Room, Panel):
     @classmethod
     def poll(cls, context: Context) -> bool:
         """Only without a structure."""
-        return context.object is None or context.object.heliform.form != STRUCTURE
+        return active_structure(context) is None
 
     def draw(self, context: Context) -> None:
         """What there is to start from."""
@@ -79,11 +79,11 @@ class HELIFORM_PT_structure(Room, Panel):
     @classmethod
     def poll(cls, context: Context) -> bool:
         """Only with a structure."""
-        return context.object is not None and context.object.heliform.form == STRUCTURE
+        return active_structure(context) is not None
 
     def draw(self, context: Context) -> None:
         """Its measures; those of rarely needed parts are below."""
-        layout, obj = self.layout, context.object
+        layout, obj = self.layout, _target(context)
         _prepare(layout)
         own = obj.heliform
         draw_problem(layout, obj)
@@ -104,12 +104,15 @@ class HELIFORM_PT_structure_parts(_Part, Panel):
     @classmethod
     def poll(cls, context: Context) -> bool:
         """Only where the form has some."""
-        return super().poll(context) and context.object.heliform.structure.form in ("roof", "shell")
+        return super().poll(context) and _target(context).heliform.structure.form in (
+            "roof",
+            "shell",
+        )
 
     def draw(self, context: Context) -> None:
         """Those of the form."""
         _prepare(self.layout)
-        structure = context.object.heliform.structure
+        structure = _target(context).heliform.structure
         record = _record(structure.form)
         plain = {field.name for field in fields_of(record)} - _PARTS
         draw(self.layout, getattr(structure, structure.form), record, plain)
@@ -122,7 +125,7 @@ class HELIFORM_PT_structure_handles(_Part, Panel):
 
     def draw(self, context: Context) -> None:
         """Which handles are shown, and how members meet."""
-        layout, own = self.layout, context.object.heliform
+        layout, own = self.layout, _target(context).heliform
         _prepare(layout)
         column = layout.column(heading="Drag")
         column.enabled = own.structure.form != "mesh"
@@ -141,7 +144,7 @@ class HELIFORM_PT_structure_levels(_Part, Panel):
 
     def draw(self, context: Context) -> None:
         """Material above, turn below; seen from above, u to the right."""
-        layout, own = self.layout, context.object.heliform
+        layout, own = self.layout, _target(context).heliform
         for kind, label in (("material", "Material: above 0 is steel"), ("turn", "Turn")):
             layout.label(text=label)
             grid = layout.column(align=True)
@@ -160,7 +163,7 @@ class HELIFORM_PT_structure_loads(_Part, Panel):
     def draw(self, context: Context) -> None:
         """The loads."""
         _prepare(self.layout)
-        draw(self.layout, context.object.heliform.structure.loading, Loading)
+        draw(self.layout, _target(context).heliform.structure.loading, Loading)
 
 
 class HELIFORM_PT_structure_sections(_Part, Panel):
@@ -170,7 +173,7 @@ class HELIFORM_PT_structure_sections(_Part, Panel):
 
     def draw(self, context: Context) -> None:
         """The everyday rules, and the button."""
-        layout, own = self.layout, context.object.heliform
+        layout, own = self.layout, _target(context).heliform
         _prepare(layout)
         for name in _EVERYDAY:
             layout.prop(own.structure.rules, name)
@@ -194,7 +197,7 @@ class HELIFORM_PT_structure_rules(_Part, Panel):
     def draw(self, context: Context) -> None:
         """Everything but the everyday ones."""
         _prepare(self.layout)
-        draw(self.layout, context.object.heliform.structure.rules, Rules, set(_EVERYDAY))
+        draw(self.layout, _target(context).heliform.structure.rules, Rules, set(_EVERYDAY))
 
 
 class HELIFORM_PT_structure_result(_Part, Panel):
@@ -204,7 +207,7 @@ class HELIFORM_PT_structure_result(_Part, Panel):
 
     def draw(self, context: Context) -> None:
         """What is shown, the numbers, and the files."""
-        layout, obj = self.layout, context.object
+        layout, obj = self.layout, _target(context)
         _prepare(layout)
         facts = members.facts_of(obj)
         if facts is None:
@@ -228,7 +231,7 @@ class HELIFORM_PT_structure_member(_Part, Panel):
 
     def draw(self, context: Context) -> None:
         """Which member, what it is, and how much it uses of each limit."""
-        layout, obj = self.layout, context.object
+        layout, obj = self.layout, _target(context)
         _prepare(layout)
         row = layout.row(align=True)
         row.operator("heliform.pick_member", icon="EYEDROPPER")
@@ -239,9 +242,12 @@ class HELIFORM_PT_structure_member(_Part, Panel):
             return
         start, end = known["nodes"]
         box = layout.box().column(align=True)
-        _row(box, known["section"], known["grade"])
-        _row(box, known["group"].capitalize(), f"nodes {start} and {end}")
-        _row(box, f"{known['length']:.3g} m", f"{known['mass']:.3g} kg")
+        _row(box, "Section", known["section"])
+        _row(box, "Grade", known["grade"])
+        _row(box, "Group", known["group"].capitalize())
+        _row(box, "Nodes", f"{start} and {end}")
+        _row(box, "Length", f"{known['length']:.3g} m")
+        _row(box, "Mass", f"{_plain(known['mass'])} kg")
         for name, used in known["checks"]:
             line = layout.column(align=True)
             line.alert = used > 1
@@ -258,12 +264,19 @@ class HELIFORM_PT_structure_combinations(_Part, Panel):
 
     def draw(self, context: Context) -> None:
         """Each combination, as it was analysed."""
-        facts = members.facts_of(context.object)
+        facts = members.facts_of(_target(context))
         column = self.layout.column(align=True)
         column.scale_y = 0.8
         for line in facts["combinations"] if facts else ():
             for part in textwrap.wrap(_said(line), _WIDTH):
                 column.label(text=part)
+
+
+def _target(context: Context) -> Object:
+    """The structure that `poll` has found."""
+    found = active_structure(context)
+    assert found is not None
+    return found
 
 
 def _prepare(layout: UILayout) -> None:
@@ -283,6 +296,7 @@ def _draw_displaced(layout: UILayout, obj: Object, facts: dict[str, Any]) -> Non
     key = members.displaced_key(obj)
     if key is not None:
         row = layout.row(align=True)
+        row.use_property_split = False
         row.prop(key, "value", text=f"Displaced × {facts['exaggeration']:g}", slider=True)
         row.operator("heliform.animate_displacement", text="", icon="PLAY")
 
@@ -301,7 +315,7 @@ def _draw_figures(layout: UILayout, figures: dict[str, Any]) -> None:
     box = layout.box().column(align=True)
     for key, label, factor, unit in _FIGURES:
         if key in figures:
-            _row(box, label, f"{factor * figures[key]['value']:.4g} {unit}")
+            _row(box, label, f"{_plain(factor * figures[key]['value'])} {unit}")
 
 
 def _draw_notes(layout: UILayout, notes: list[str]) -> None:
@@ -312,8 +326,13 @@ def _draw_notes(layout: UILayout, notes: list[str]) -> None:
             column.label(text=line, icon="INFO" if index == 0 else "BLANK1")
 
 
+def _plain(value: float) -> str:
+    """Four digits or more, and no exponent."""
+    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
+
+
 def _row(layout: UILayout, label: str, value: str) -> None:
-    split = layout.split(factor=0.42)
+    split = layout.split(factor=0.5)
     split.label(text=label)
     split.label(text=value)
 

@@ -27,6 +27,11 @@ def handles_of(obj: bpy.types.Object) -> dict[str, bpy.types.Object]:
     return {name: child for child in obj.children if (name := name_of(child))}
 
 
+def owner_of(obj: bpy.types.Object | None) -> bpy.types.Object | None:
+    """The object whose handle this is; what is no handle is its own."""
+    return obj.parent if obj is not None and name_of(obj) and obj.parent is not None else obj
+
+
 def add_handles(obj: bpy.types.Object, labels: Mapping[str, str], shape: str, size: float) -> None:
     """Give the object a handle for each name that has none yet, called by its label.
 

@@ -20,7 +20,8 @@ from . import results, shading
 VALUES, COLOURS = "Heliform values", "Heliform colours"
 _LAYER, _VIEWS = "heliform_layer", "heliform_views"
 _LINES = ("show_outline_selected", "show_relationship_lines")
-ON_VERTICES, IN_TEXELS = ["VERTEX", "STUDIO"], ["TEXTURE", "STUDIO"]
+_EDGES = {"show_object_outline": False, "show_cavity": True}
+ON_VERTICES, IN_TEXELS = ["VERTEX", "STUDIO"], ["TEXTURE", "FLAT"]
 """The colours and the light of Solid shading that show a layer."""
 
 
@@ -124,10 +125,13 @@ def show_in_views(context: bpy.types.Context, look: list[str] = ON_VERTICES) -> 
             if view.shading.type == "SOLID" and _look(view) != look:
                 if _look(view) not in (ON_VERTICES, IN_TEXELS):
                     kept[index] = [*_look(view), *(getattr(view.overlay, n) for n in _LINES)]
+                    kept[index] += [getattr(view.shading, name) for name in _EDGES]
                 view.shading.color_type, view.shading.light = look
-                if look == IN_TEXELS:  # what is slender would drown in lines
+                if look == IN_TEXELS:  # what is slender would drown in lines and shade
                     for name in _LINES:
                         setattr(view.overlay, name, False)
+                    for name, value in _EDGES.items():
+                        setattr(view.shading, name, value)
         screen[_VIEWS] = json.dumps(kept)
 
 
@@ -140,8 +144,11 @@ def restore_views(context: bpy.types.Context) -> None:
         for index, view in _views(screen):
             if index in kept and _look(view) in (ON_VERTICES, IN_TEXELS):
                 view.shading.color_type, view.shading.light = kept[index][:2]
-                for name, value in zip(_LINES, kept[index][2:], strict=True):
+                lines, edges = kept[index][2:4], kept[index][4:]
+                for name, value in zip(_LINES, lines, strict=True):
                     setattr(view.overlay, name, value)
+                for name, value in zip(_EDGES, edges, strict=True):
+                    setattr(view.shading, name, value)
 
 
 def _views(screen: bpy.types.Screen) -> list[tuple[str, bpy.types.SpaceView3D]]:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix, csr_matrix, diags_array
+from scipy.sparse import csc_array, csc_matrix, csr_array, diags_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import splu
 
@@ -148,13 +148,13 @@ def freedoms_of(frame: Frame) -> NDArray[np.intp]:
     return (first + np.arange(6)).reshape(-1, 12)
 
 
-def _graph(frame: Frame) -> csr_matrix:
+def _graph(frame: Frame) -> csr_array:
     """Which nodes are joined by a member, symmetric (N, N)."""
     count = len(frame.nodes)
     start, end = frame.members.T
     ones = np.ones(len(frame.members))
-    joined = csr_matrix((ones, (start, end)), shape=(count, count))
-    return csr_matrix(joined + joined.T)
+    joined = csr_array((ones, (start, end)), shape=(count, count))
+    return csr_array(joined + joined.T)
 
 
 def _numbered(frame: Frame, order: NDArray[np.integer]) -> tuple[NDArray, NDArray]:
@@ -173,10 +173,10 @@ def _bandwidth(places: NDArray[np.intp]) -> int:
     return max(1, int((most - least).max(initial=0)))
 
 
-def _minimum_degree(graph: csr_matrix) -> tuple[NDArray[np.integer], float]:
+def _minimum_degree(graph: csr_array) -> tuple[NDArray[np.integer], float]:
     """SuperLU's ordering of the nodes for little fill, and the operations of a factor by it."""
-    degree = np.asarray(graph.sum(axis=1)).ravel()
-    dominant = csc_matrix(diags_array(2.0 * degree + 1.0) - graph)
+    degree = graph.sum(axis=1)
+    dominant = csc_array(diags_array(2.0 * degree + 1.0) - graph)
     factor = splu(dominant, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
     below = np.diff(factor.L.indptr).astype(np.float64)
     return np.argsort(factor.perm_c), 2.0 * 6.0**3 * float((below**2).sum())

@@ -10,7 +10,7 @@ from ..core.scene import Vector
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Site:
-    """A place and the model's orientation; by default the thesis's, on Boston's side of Cambridge."""
+    """A place and the model's orientation; by default the thesis's, in Cambridge by Boston."""
 
     latitude: float = param(42.3603, "deg", -90.0, 90.0, "North of the equator")
     longitude: float = param(-71.0875, "deg", -180.0, 180.0, "East of Greenwich")

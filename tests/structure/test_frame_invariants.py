@@ -102,6 +102,13 @@ def test_supports_carry_every_load_in_force_and_moment(seed):
     assert np.abs(moment).max() <= 1e-12 * size * 10.0
 
 
+@pytest.mark.parametrize("seed", SEEDS[1::2])
+def test_released_ends_carry_nothing(seed):
+    frame, rigidities, loads = case(seed)
+    assert frame.releases is not None
+    assert not solve_frame(frame, rigidities, loads).end_forces[:, frame.releases].any()
+
+
 @pytest.mark.parametrize("seed", SEEDS)
 def test_turning_the_whole_frame_turns_its_answer_and_nothing_else(seed):
     frame, rigidities, loads = case(seed, springs=False)

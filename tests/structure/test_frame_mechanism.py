@@ -87,6 +87,19 @@ def test_a_hinge_at_the_foot_of_a_cantilever_lets_everything_beyond_fall():
     )
 
 
+@pytest.mark.parametrize("place", [0.7, 1.3, 2.1])
+def test_a_node_between_two_bars_hinged_at_both_ends_falls(place):
+    # What condensation leaves of their bending along z is rounding, and must not pass for stiffness
+    hinges = released(2, (0, 4), (0, 10), (1, 4), (1, 10))
+    points = np.array([(0, 0, 0), (place, 0, 0), (3, 0, 0)])
+    turns = (False, False, False, False, True, False)
+    text = said(chain_of(points, {0: FIXED, 1: turns, 2: FIXED}, releases=hinges))
+    assert text == (
+        "Node 1 can move along z: nothing resists it; hold it, or remove a release of members 0 "
+        "and 1."
+    )
+
+
 def test_a_node_whose_members_are_all_hinged_turns():
     nodes = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (1, 1, 1.5)]
     members = [(k, 4) for k in range(4)]

@@ -13,6 +13,7 @@ import sys
 import time
 from collections.abc import Callable, Generator
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -29,7 +30,7 @@ DENSE = 1.12
 MOVES = 40
 
 
-def module(name: str):
+def module(name: str) -> Any:
     """A module of Heliform."""
     return importlib.import_module(f"{window.package()}.{name}")
 
@@ -151,10 +152,9 @@ def coloured() -> Generator[float]:
         window.picture(f"roof {name}")
 
 
-def picked() -> Generator[float]:
-    """Click a member that can be seen."""
-    obj, scene = roof(), bpy.context.scene
-    view = window.view()
+def seen(obj: bpy.types.Object) -> tuple[tuple[int, int], int]:
+    """A place of the window where a member of the object is foremost, and which."""
+    scene, view = bpy.context.scene, window.view()
     region = view["region"]
     eye = view["area"].spaces.active.region_3d.view_matrix.inverted().translation
     graph = bpy.context.evaluated_depsgraph_get()
@@ -164,10 +164,15 @@ def picked() -> Generator[float]:
         x, y = pixel(place)
         clear = region.x + 100 < x < region.x + region.width - 420
         if hit and face == polygon.index and clear and region.y + 150 < y < region.y + 700:
-            break
-    wanted = obj.data.attributes["member"].data[polygon.index].value
+            return (x, y), obj.data.attributes["member"].data[face].value
+    raise AssertionError("No member is to be seen.")
+
+
+def picked() -> Generator[float]:
+    """Click a member that can be seen."""
+    place, wanted = seen(roof())
     window.call(bpy.ops.heliform.pick_member, "INVOKE_DEFAULT")
-    yield from press((x, y), lambda: roof().heliform.member == wanted)
+    yield from press(place, lambda: roof().heliform.member == wanted)
     yield 0.5
     window.picture("picked")
     yield from scroll(8)
@@ -229,12 +234,11 @@ def dragged() -> Generator[float]:
     for step in range(MOVES):
         target.event_simulate("MOUSEMOVE", "NOTHING", x=x, y=y + 3 * (step + 1))
         yield 0.0
-        if step == MOVES - 2:
-            window.picture("dragging")
+    structures.rebuild = true
+    window.picture("dragging")
     target.event_simulate("LEFTMOUSE", "PRESS", x=x, y=y + 3 * MOVES)
     target.event_simulate("LEFTMOUSE", "RELEASE", x=x, y=y + 3 * MOVES)
     yield 0.0
-    structures.rebuild = true
     spans = np.array(times)
     took = np.diff(spans, axis=1)
     print(
