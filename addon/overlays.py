@@ -166,7 +166,9 @@ def _draw_marks(
             continue
         turn = np.linspace(0.0, 2 * np.pi, 33)
         x, y = point.x + 7 * unit * np.cos(turn), point.y + 7 * unit * np.sin(turn)
-        lines(list(zip(x.tolist(), y.tolist(), strict=True)), _MARK, 2 * unit)
+        ring = list(zip(x.tolist(), y.tolist(), strict=True))
+        lines(ring, CARD, 5 * unit)  # stands out on any colour
+        lines(ring, _MARK, 2 * unit)
         left, bottom = point.x + 14 * unit, point.y - 5 * unit
         width = width_of(mark.label, unit)
         card = Box(left - 5 * unit, bottom - 5 * unit, left + width + 5 * unit, bottom + 14 * unit)

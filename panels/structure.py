@@ -11,6 +11,7 @@ from ..addon.bridge import members
 from ..addon.properties import draw
 from ..addon.structures import active_structure
 from ..engines.core.parameters import fields_of
+from ..engines.structure.form_finding import FormFinding
 from ..engines.structure.loading import Loading
 from ..engines.structure.rules import Rules
 from ..engines.structure.structure import Structure
@@ -152,6 +153,24 @@ class HELIFORM_PT_structure_levels(_Part, Panel):
                 row = grid.row(align=True)
                 for u in range(3):
                     row.prop(getattr(own.structure, kind), f"c{u}{v}", text="", slider=True)
+
+
+class HELIFORM_PT_structure_found(_Part, Panel):
+    """The shape that a net finds for itself"""
+
+    bl_label = "Form Finding"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Not for a façade, which is as its plan is."""
+        obj = active_structure(context)
+        return obj is not None and obj.heliform.structure.form != "facade"
+
+    def draw(self, context: Context) -> None:
+        """Whether, and by which forces."""
+        _prepare(self.layout)
+        draw(self.layout, _target(context).heliform.structure.form_finding, FormFinding)
 
 
 class HELIFORM_PT_structure_loads(_Part, Panel):
@@ -309,6 +328,10 @@ def _draw_failing(layout: UILayout, facts: dict[str, Any]) -> None:
         row.label(text=f"{failing} members fail", icon="ERROR")
     else:
         row.label(text="Every member suffices", icon="CHECKMARK")
+    if facts["figures"].get("max_service_utilisation", {"value": 0.0})["value"] > 1:
+        row = layout.row()
+        row.alert = True
+        row.label(text="Deflects beyond its limit", icon="ERROR")
 
 
 def _draw_figures(layout: UILayout, figures: dict[str, Any]) -> None:
@@ -341,11 +364,12 @@ register, unregister = bpy.utils.register_classes_factory(
     (
         HELIFORM_PT_structure_start,
         HELIFORM_PT_structure,
+        HELIFORM_PT_structure_handles,
         HELIFORM_PT_structure_result,
         HELIFORM_PT_structure_member,
-        HELIFORM_PT_structure_handles,
         HELIFORM_PT_structure_levels,
         HELIFORM_PT_structure_parts,
+        HELIFORM_PT_structure_found,
         HELIFORM_PT_structure_loads,
         HELIFORM_PT_structure_sections,
         HELIFORM_PT_structure_rules,

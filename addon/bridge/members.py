@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...engines.core.colour import ColourScale, Palette
+from ...engines.core.colour import NO_VALUE, ColourScale, Palette
 from ...engines.core.scene import Mesh
 from ...engines.structure.bent import bent_members
 from ...engines.structure.drawn import (
@@ -30,7 +30,7 @@ MAPS = {
     "displacement": ("Displacement", "How far members move in the worst combination", "mm"),
     "material": ("Material", "Steel or timber", ""),
     "height": ("Section height", "How tall the sections are", "cm"),
-    "class": ("Section class", "EN 1993-1-1's class of the cross-section; 0 is timber", ""),
+    "class": ("Section class", "EN 1993-1-1's class of the cross-section", ""),
 }
 """What members can be coloured by, with a name, a sentence and the unit that it is shown in."""
 
@@ -153,9 +153,15 @@ def _coloured(
         return colours, Layer(title, scale, footing, _marks(obj), swatches)
     if name == "class":
         scale = ColourScale(0.0, 4.0, False, palette, title, unit)
-    else:
-        high = float(np.nanmax(values)) or 1.0
-        scale = ColourScale.automatic(np.array([high]), False, palette, title, unit)
+        colours = scale.colours(np.arange(5.0))
+        colours[0] = NO_VALUE
+        there = np.unique(values).astype(int).tolist()
+        swatches = [
+            (f"Class {n}" if n else "Not classed", tuple(colours[n].tolist())) for n in there
+        ]
+        return colours[values.astype(int)], Layer(title, None, footing, _marks(obj), swatches)
+    high = float(np.nanmax(values)) or 1.0
+    scale = ColourScale.automatic(np.array([high]), False, palette, title, unit)
     return scale.colours(values), Layer(title, scale, footing, _marks(obj))
 
 

@@ -124,6 +124,11 @@ class Flexure:
         """k² in 1/m², positive in compression."""
         return -self.axial_force * self.eta / self.bending
 
+    @cached_property
+    def at_end(self) -> "Functions":
+        """`functions` at the members' ends; those at the start are the same but for odd signs."""
+        return self.functions(self.lengths / 2)
+
     def buckled(self) -> NDArray[np.bool_]:
         """Whether a member buckles between clamped ends: k L ≥ 2π, or nothing resists shear."""
         return (self.wave * self.lengths**2 >= 4 * np.pi**2) | (self.shear + self.axial_force <= 0)
@@ -140,8 +145,7 @@ class Flexure:
 
     def motion(self, ends: Ends, start: Vector, end: Vector) -> "Motion":
         """The motion with these ``ends`` under a load in N/m, linear from start to end (…, M)."""
-        half = self.lengths / 2
-        at = self.functions(half)
+        half, at = self.lengths / 2, self.at_end
         eta, share, slip = self.eta, self.eta / self.bending, self.slip
         mean, slant = (start + end) / 2, (end - start) / self.lengths
 
@@ -223,10 +227,8 @@ class Motion:
 
     def moment(self, x: Vector) -> Vector:
         """EI ψ′ in N·m at ``x`` (…, M) in m from the middle."""
-        flexure, at = self.flexure, self.flexure.functions(x)
-        free = at.cosine * self.curvature - flexure.wave * at.sine * self.turn
-        loaded = at.square * self.mean + at.cubic * self.slant - at.linear * self.force
-        return flexure.bending * free + flexure.eta * loaded
+        even, odd = self._moments(self.flexure.functions(x))
+        return even + odd
 
     def across(self, x: Vector) -> Vector:
         """R in N at ``x`` (…, M) in m from the middle."""
@@ -235,8 +237,16 @@ class Motion:
     def end_forces(self) -> Vector:
         """What holds the ends (…, M, 4): force and moment at the start, then at the end."""
         half = self.flexure.lengths / 2
-        start = -self.across(-half), -self.moment(-half)
-        return np.stack([*start, self.across(half), self.moment(half)], axis=-1)
+        even, odd = self._moments(self.flexure.at_end)
+        start, end = self.across(-half), self.across(half)
+        return np.stack([-start, odd - even, end, even + odd], axis=-1)
+
+    def _moments(self, at: "Functions") -> tuple[Vector, Vector]:
+        """The even and the odd part of the moment in N·m where the functions are those ``at``."""
+        flexure = self.flexure
+        even = flexure.bending * at.cosine * self.curvature + flexure.eta * at.square * self.mean
+        odd = flexure.eta * (at.cubic * self.slant - at.linear * self.force)
+        return even, odd - flexure.bending * flexure.wave * at.sine * self.turn
 
 
 def stumpff(z: Vector) -> Vector:

@@ -42,6 +42,8 @@ _LENGTHS: dict[Shape, tuple[str, ...]] = {
     "i": ("height", "width", "web", "flange", "radius"),
     "rectangle": ("height", "width"),
 }
+_LEAST = {"radius": 0.0, "thickness": 0.1, "web": 0.1, "flange": 0.1}
+_LEAST |= dict.fromkeys(("height", "width", "diameter"), 5.0)  # mm: more than a beam has in m
 _LARGEST = 10_000_000  # bytes
 _MOST = 50_000  # sections in a family
 _MILLIMETRE = 1e-3
@@ -204,11 +206,14 @@ def _row(shape: Shape, row: Any, said: str) -> Sections:
 
 def _values(said: str, key: str, value: Any) -> list[float]:
     values = value if isinstance(value, list) else [value]
-    least = 0.0 if key == "radius" else 1e-3
+    least = _LEAST[key]
     for v in values:
         good = isinstance(v, int | float) and not isinstance(v, bool) and least <= v <= 1e5
         if not good:
-            raise ParameterError(f"{said}: {key} = {v!r} should be a length in mm, up to 100000.")
+            raise ParameterError(
+                f"{said}: {key} = {v!r} should be a length in mm, from {least:g} to 100000; "
+                "lengths in m are to be multiplied by 1000."
+            )
     if not values:
         raise ParameterError(f"{said}: {key} is an empty list; put a length in.")
     return [float(v) for v in values]

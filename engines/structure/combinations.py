@@ -287,6 +287,11 @@ def _notes(loads: Loads, rules: CombinationRules) -> tuple[str, ...]:
             if action in loads.actions:
                 zero, one, two = _psi(action, rules)
                 lines.append(f"ψ0, ψ1, ψ2 of {text}: {zero:g}, {one:g}, {two:g}")
+        if "floor load" in loads.names and rules.imposed == "roof":
+            lines.append(
+                "The floor load counts as one on a roof, with ψ0 = 0: where wind leads it is left "
+                "out; set imposed to what the floors are for"
+            )
     if loads.actions.count("snow") > 1:
         lines.append("Cases of snow exclude each other")
     if loads.actions.count("wind") > 1:

@@ -5,11 +5,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
+    from .rules import Rules
     from .sized import Sized
     from .sizing import Chosen
 
 _GIGA = 1e9
 _OUTSIDE = 1e6  # utilisation of what no code covers, infinite to the check
+_STIFF = 10.0  # times the loads at which the whole buckles, from which on first order will do
 _NAMED = 8  # members at most that a note names
 
 
@@ -53,10 +55,15 @@ def figures_of(result: "Sized", chosen: "Chosen") -> dict[str, dict[str, Any]]:
     return {name: {"value": float(value), "unit": unit} for name, (value, unit) in numbers.items()}
 
 
-def notes_on(result: "Sized", chosen: "Chosen") -> list[str]:
+def notes_on(result: "Sized", chosen: "Chosen", rules: "Rules") -> list[str]:
     """What a reader should know, a sentence each: what fails, what moves, whether it converged."""
     notes = []
     rows, members = result.rows, result.model.frame.members
+    if rules.mode == "eurocode" and rules.combinations.rule == "characteristic":
+        notes.append(
+            "Checked by Eurocode, but under loads without partial factors, which is unsafe; set "
+            "the combinations' rule to eurocode."
+        )
     if failing := int(rows["failing"].sum()):
         worst = np.argsort(-rows["utilisation"], kind="stable")[: min(failing, _NAMED)]
         said = ", ".join(
@@ -65,9 +72,10 @@ def notes_on(result: "Sized", chosen: "Chosen") -> list[str]:
         )
         even = " even with the largest section" if chosen.converged else ""
         more = " and others" if failing > _NAMED else ""
+        steel = "steel or " if (rows["material"][rows["failing"]] == "timber").any() else ""
         notes.append(
             f"{failing} of {len(rows)} members fail{even}: member {said}"
-            f"{more}; widen their range, give them steel or a shorter span, or set turns "
+            f"{more}; widen their range, give them {steel}a shorter span, or set turns "
             "to 1, which lets fewer sections shrink."
         )
     if not chosen.converged:
@@ -79,13 +87,35 @@ def notes_on(result: "Sized", chosen: "Chosen") -> list[str]:
         notes.append(
             f"{chosen.held} sections went to and fro between two sizes and keep the larger."
         )
-    if len(result.served.names):
-        used = result.served.utilisation.max(axis=1)
-        for name, share in zip(result.served.names, used.tolist(), strict=True):
-            if share > 1:
-                notes.append(f"{name}: {share:.3g} times what is allowed.")
+    given_up = ", although stiffened as far as it went" if rules.service else ""
+    for name, used in zip(result.served.names, result.served.utilisation, strict=True):
+        if used.max() > 1:
+            m = int(used.argmax())
+            notes.append(
+                f"{name}: {used[m]:.3g} times what is allowed at member {m} (nodes "
+                f"{members[m, 0]} and {members[m, 1]}){given_up}."
+            )
+    notes += _on_buckling(result, rules)
     if slender := int((result.checked.section_class == 4).sum()):
         notes.append(
             f"{slender} members have sections of class 4, whose walls buckle (EN 1993-1-5)."
         )
     return notes + list(result.meta["combination_notes"])
+
+
+def _on_buckling(result: "Sized", rules: "Rules") -> list[str]:
+    """What the least buckling factor asks for, by EN 1993-1-1 5.2.1(3)."""
+    if not len(result.buckling) or result.buckling[0] >= _STIFF:
+        return []
+    factor = result.buckling[0]
+    if factor <= 1:
+        return [
+            f"The whole buckles at {factor:.3g} of its loads, whatever the checks of its members "
+            "say; raise its surface or take higher sections."
+        ]
+    if rules.second_order:
+        return []
+    return [
+        f"The whole would buckle at {factor:.3g} times its loads, and below {_STIFF:g} first-order "
+        "forces are too small (EN 1993-1-1 5.2.1); tick second_order."
+    ]

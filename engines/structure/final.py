@@ -24,7 +24,7 @@ from .service import service_of
 from .sized import MEMBER, Rows, Sized
 from .sizing import Chosen, rigidities_for
 from .tasks import Task
-from .vibration import natural_frequencies
+from .vibration import carried_mass, natural_frequencies
 
 _SLACK = 1e-9  # of the utilisation, for rounding
 
@@ -81,7 +81,7 @@ def final_of(
         meta,
     )
     meta["figures"] = figures_of(result, chosen)
-    meta["notes"] = [*model.notes, *notes_on(result, chosen), *meta["notes"]]
+    meta["notes"] = [*model.notes, *notes_on(result, chosen, rules), *meta["notes"]]
     return result
 
 
@@ -128,12 +128,13 @@ def _rows(model: Model, task: Task, chosen: Chosen, checked: Checked, sections: 
 def _modes(
     task: Task, rigidities: Rigidities, first: Response, factors: Vector
 ) -> tuple[Vector, Vector]:
-    """The least natural frequencies (n,) in Hz, and the least buckling factors of all ultimate
-    combinations (n,)."""
+    """The least natural frequencies (n,) in Hz, the members and permanent loads swinging, and the
+    least buckling factors of all ultimate combinations (n,)."""
     count = task.rules.modes
     if not count:
         return np.zeros(0), np.zeros(0)
-    frequencies, _ = natural_frequencies(task.frame, rigidities, count)
+    mass = carried_mass(task.frame, task.loads)
+    frequencies, _ = natural_frequencies(task.frame, rigidities, count, mass)
     found = [
         buckling_factors(task.frame, rigidities, first.combined(row[None]), count, pieces=2)[0]
         for row in factors

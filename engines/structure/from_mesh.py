@@ -16,6 +16,7 @@ from .mesh_repair import Repaired, repaired
 from .model import NO_NODE, Model
 
 GROUPS = ("members",)
+_LEAST, _MOST = 0.01, 200.0  # m, of the middle one of the members' lengths
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,6 +29,7 @@ class Network:
     within: float = param(
         1e-3, "m", 0.0, 100.0, "How far above the lowest vertex the lowest ones may be"
     )
+    chosen: str = param("", help="Indices of the chosen vertices, such as “0, 4, 7”")
     base: Literal["hinged", "fixed"] = param("hinged", help="How the held nodes are held")
     merge: float = param(1e-4, "m", 0.0, 1.0, "Vertices nearer to one another become one node")
 
@@ -37,38 +39,60 @@ def model_from_edges(
     edges: ArrayLike,
     faces: Sequence[Sequence[int]] = (),
     network: Network | None = None,
-    given: Sequence[int] = (),
 ) -> Model:
     """The structure whose members are the ``edges`` (M, 2) between ``nodes`` (N, 3) in m.
 
     ``faces`` are node indices around each cell, counter-clockwise seen from outside. Members take
-    their normals from the faces beside them, by area, and point up where there are none. ``given``
-    are the nodes that are held where the network's supports say so; around the edge are the ends
-    of edges with a single face, or of a single member where there are no faces. u and v run
-    through the two longest sides of the box around the nodes, in the order X, Y, Z. What is drawn
-    twice or left over is `repaired`, and notes say so. One group: members.
+    their normals from the faces beside them, by area, and point up where there are none. Around the
+    edge are the ends of edges with a single face, or of a single member where there are no faces.
+    u and v run through the two longest sides of the box around the nodes, in the order X, Y, Z.
+    What is drawn twice or left over is `repaired`, and notes say so. One group: members.
 
-    Raises SceneError as `repaired` does, where nothing is held, and where neighbouring faces face
-    opposite ways.
+    Raises SceneError as `repaired` does, where nothing is held, where neighbouring faces face
+    opposite ways, and where the mesh cannot have been drawn in metres.
     """
     network = network or Network()
     points = np.asarray(nodes, dtype=np.float64).reshape(-1, 3)
     pairs = np.asarray(edges, dtype=np.int64).reshape(-1, 2)
     mesh = repaired(points, pairs, faces, network.merge)
+    _check_size(mesh)
     held = np.zeros((len(mesh.nodes), 6), dtype=bool)
-    held[_supports(mesh, network, given)] = FIXED if network.base == "fixed" else HINGED
+    held[_supports(mesh, network)] = FIXED if network.base == "fixed" else HINGED
+    notes = mesh.notes
+    if held.any(axis=1).all():
+        notes += (
+            f"All {len(held)} nodes are held, so that only members between them bend; hold "
+            "chosen vertices if that is not what is meant.",
+        )
     frame = Frame(mesh.nodes, mesh.members, _normals(mesh), held)
     groups = np.zeros(len(mesh.members), dtype=np.int32)
-    return Model(frame, mesh.cells, _places(mesh), groups, GROUPS, mesh.notes)
+    return Model(frame, mesh.cells, _places(mesh), groups, GROUPS, notes)
 
 
-def _supports(mesh: Repaired, network: Network, given: Sequence[int]) -> NDArray[np.integer]:
+def _check_size(mesh: Repaired) -> None:
+    """Raise SceneError where half of the members are too long or too short to be in metres."""
+    start, end = mesh.nodes[mesh.members].transpose(1, 0, 2)
+    lengths = np.linalg.norm(end - start, axis=1)
+    middle = float(np.median(lengths))
+    if _LEAST <= middle <= _MOST:
+        return
+    member = int(np.argmin(np.abs(lengths - middle)))
+    first, last = mesh.members[member]
+    unit, factor = ("millimetres", 0.001) if middle > _MOST else ("kilometres or to scale", 1000)
+    raise SceneError(
+        f"Half of the members are {'longer' if middle > _MOST else 'shorter'} than {middle:.3g} m, "
+        f"as member {member} (nodes {first} and {last}) is: the mesh seems to be drawn in {unit}; "
+        f"scale it, by {factor:g} for one, and apply the scale."
+    )
+
+
+def _supports(mesh: Repaired, network: Network) -> NDArray[np.integer]:
     """The held nodes, or SceneError where there are none."""
     if network.supports == "lowest":
         height = mesh.nodes[:, 2]
         return np.flatnonzero(height <= height.min() + network.within)
     if network.supports == "given":
-        return _given(mesh, given)
+        return _chosen(mesh, network.chosen)
     if len(mesh.cells):
         ends = np.sort(cell_edges(mesh.cells)[0], axis=1)
         rim, times = np.unique(ends, axis=0, return_counts=True)
@@ -81,17 +105,22 @@ def _supports(mesh: Repaired, network: Network, given: Sequence[int]) -> NDArray
     return around
 
 
-def _given(mesh: Repaired, given: Sequence[int]) -> NDArray[np.integer]:
-    if not len(given):
+def _chosen(mesh: Repaired, text: str) -> NDArray[np.integer]:
+    words = text.replace(",", " ").split()
+    if not words:
         raise SceneError(
-            "No nodes are chosen to be held; select the supported vertices, or hold the lowest."
+            "No nodes are chosen to be held; write their indices, such as “0, 4, 7”, or hold the "
+            "lowest."
         )
-    for node in given:
-        if not 0 <= node < len(mesh.index) or mesh.index[node] == NO_NODE:
+    for word in words:
+        if not word.isdecimal():
+            raise SceneError(f"“{word}” is no index of a vertex to hold; write “0, 4, 7” for one.")
+        node = int(word)
+        if node >= len(mesh.index) or mesh.index[node] == NO_NODE:
             raise SceneError(
                 f"Node {node} is to be held, but no edge ends there; choose vertices of the mesh."
             )
-    return mesh.index[np.asarray(given, dtype=np.int64)]
+    return mesh.index[np.array(words, dtype=np.int64)]
 
 
 def _normals(mesh: Repaired) -> Vector:

@@ -19,6 +19,19 @@ _TIMBER = dict.fromkeys(
 )
 _NUMBERS = {**_NEEDED, **_YIELD, **_TIMBER}
 _TEXTS = ("source", "climate")
+_BOUNDS = {
+    "youngs": (500.0, 1e6, "N/mm²"),
+    "shear": (20.0, 1e6, "N/mm²"),
+    "density": (50.0, 3e4, "kg/m³"),
+    "energy": (0.0, 1e4, "MJ/kg"),
+    "carbon": (0.0, 1e3, "kg of CO₂ equivalent per kg"),
+    "yield_strength": (1.0, 1e4, "N/mm²"),
+    **dict.fromkeys(("bending", "tension", "compression"), (1.0, 1e3, "N/mm²")),
+    "shear_strength": (0.1, 1e3, "N/mm²"),
+    "youngs_low": (500.0, 1e6, "N/mm²"),
+    "shear_low": (20.0, 1e6, "N/mm²"),
+}
+"""What each number lies between, so that one in another unit is found out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,8 +123,9 @@ def _number(said: str, key: str, table: Mapping[str, Any]) -> float:
         raise ParameterError(f"{said} has no “{key}”; add it.")
     value = table[key]
     good = isinstance(value, int | float) and not isinstance(value, bool)
-    free = key in ("energy", "carbon")
-    if not good or not (value >= 0 if free else value > 0) or value > 1e7:
-        least = "at least 0" if free else "above 0"
-        raise ParameterError(f"{said}: {key} = {value!r} should be a number {least}.")
+    low, high, unit = _BOUNDS[key]
+    if not good or not low <= value <= high:
+        raise ParameterError(
+            f"{said}: {key} = {value!r} should be a number of {unit}, from {low:g} to {high:g}."
+        )
     return float(value)

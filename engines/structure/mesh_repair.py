@@ -10,6 +10,7 @@ from scipy.spatial import KDTree
 
 from ..core.errors import SceneError
 from ..core.scene import Vector
+from .check_frame import listed
 from .grid import Indices
 from .model import NO_NODE
 
@@ -45,21 +46,27 @@ def repaired(
     """
     cells, cut = _cells(faces)
     _check_numbers(points, {"Edge": edges, "Face": cells})
-    notes = [f"{cut} faces of more than four corners were cut into triangles."] if cut else []
+    notes = []
+    if len(cut):
+        notes.append(f"{_listed('face', cut)} of more than four corners: cut into triangles.")
 
     first = _merged(points, merge)
-    if (first != np.arange(len(points))).any():
-        doubles = int((first != np.arange(len(points))).sum())
-        notes.append(f"{doubles} nodes were merged into others nearer than {merge:g} m.")
-    edges = _single(first[edges], notes)
+    doubles = np.flatnonzero(first != np.arange(len(points)))
+    if len(doubles):
+        notes.append(f"{_listed('node', doubles)} merged into others nearer than {merge:g} m.")
+    edges = _single(edges, first, notes)
     cells = _tidied(np.where(cells == NO_NODE, NO_NODE, first[cells]))
     beside = ~np.isin(cells, np.append(edges, NO_NODE)).all(axis=1)
     if beside.any():
-        notes.append(f"{int(beside.sum())} faces with a corner that no edge ends at were left out.")
+        count = int(beside.sum())
+        notes.append(
+            f"Left out {count} {'face' if count == 1 else 'faces'} with a corner that no edge ends "
+            "at."
+        )
     kept = np.unique(edges)
-    loose = len(np.unique(first)) - len(kept)
-    if loose:
-        notes.append(f"{loose} nodes without an edge were left out.")
+    loose = np.setdiff1d(first, kept)
+    if len(loose):
+        notes.append(f"{_listed('node', loose)} without an edge: left out.")
     if len(kept) < len(points):
         notes.append("Nodes are counted anew, so their indices are not those of the mesh.")
 
@@ -69,9 +76,15 @@ def repaired(
     return Repaired(points[kept], members, cells, index[:-1][first], tuple(notes))
 
 
-def _cells(faces: Sequence[Sequence[int]]) -> tuple[_Rows, int]:
-    """Cells (F, 4) of faces, and how many faces had to be cut."""
-    rows, cut = [], 0
+def _listed(what: str, which: Sequence[int] | np.ndarray) -> str:
+    """“Node 3”, “Nodes 3 and 5”, as notes begin."""
+    name = what.capitalize()
+    return f"{name if len(which) == 1 else name + 's'} {listed(np.asarray(which))}"
+
+
+def _cells(faces: Sequence[Sequence[int]]) -> tuple[_Rows, list[int]]:
+    """Cells (F, 4) of faces, and which faces had to be cut."""
+    rows, cut = [], []
     for number, face in enumerate(faces):
         first, *rest = corners = [int(node) for node in face if node != NO_NODE]
         if len(corners) < 3:
@@ -79,7 +92,7 @@ def _cells(faces: Sequence[Sequence[int]]) -> tuple[_Rows, int]:
         if len(corners) <= 4:
             rows.append([*corners, NO_NODE][:4])
         else:
-            cut += 1
+            cut.append(number)
             rows += [[first, a, b, NO_NODE] for a, b in itertools.pairwise(rest)]
     return np.array(rows, dtype=np.int64).reshape(-1, 4), cut
 
@@ -110,18 +123,20 @@ def _merged(points: Vector, merge: float) -> _Rows:
     return first
 
 
-def _single(edges: _Rows, notes: list[str]) -> _Rows:
-    """The edges that have a length, each once."""
+def _single(drawn: _Rows, first: _Rows, notes: list[str]) -> _Rows:
+    """The edges ``drawn`` that have a length, each once, between the nodes that are ``first``."""
+    edges, names = first[drawn], np.array([f"{start}–{end}" for start, end in drawn])
     real = edges[:, 0] != edges[:, 1]
     if not real.all():
-        notes.append(f"{int((~real).sum())} edges without length were left out.")
-    edges = edges[real]
-    _, once = np.unique(np.sort(edges, axis=1), axis=0, return_index=True)
-    if len(once) < len(edges):
-        notes.append(f"{len(edges) - len(once)} edges that were there twice were left out.")
+        notes.append(f"{_listed('edge', names[~real])} without length: left out.")
+    number = np.flatnonzero(real)
+    _, once = np.unique(np.sort(edges[real], axis=1), axis=0, return_index=True)
+    twice = np.delete(number, once)
+    if len(twice):
+        notes.append(f"{_listed('edge', names[twice])} there already: left out.")
     if not len(once):
         raise SceneError("The mesh has no edges to make members of; draw some, or choose another.")
-    return edges[np.sort(once)]
+    return edges[number[np.sort(once)]]
 
 
 def _tidied(cells: _Rows) -> _Rows:

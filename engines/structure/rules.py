@@ -36,7 +36,7 @@ class Rules:
     steel_range: SectionRange = nested(SectionRange, "Sections of the thesis's steel")  # noqa: RUF009
     timber_range: BoardRange = nested(BoardRange, "Sections of the thesis's timber")  # noqa: RUF009
     sizes: int = param(0, "", 0, 1000, "Most different sections of each family; 0 is any number")
-    stations: int = param(5, "", 2, 101, "Places along each member at which it is checked")
+    stations: int = param(5, "", 3, 101, "Places along each member at which it is checked")
     rounds: int = param(100, "", 1, 1000, "Most rounds of analysing and choosing")
     turns: int = param(
         6,
@@ -50,7 +50,9 @@ class Rules:
     service: bool = param(False, help="Stiffen the structure until its deflections are in limits")
     deflection: DeflectionLimits = nested(DeflectionLimits, "Limits of deflection")  # noqa: RUF009
     modes: int = param(
-        0, "", 0, 50, "Natural frequencies, and buckling modes of each combination, to work out"
+        *(0, "", 0, 50),
+        help="Natural frequencies, of the members with the mass of permanent loads, and buckling "
+        "modes of each combination, to work out",
     )
     buckling_y: float = param(1.0, "", 0.0, 20.0, "Buckling length about y over member length")
     buckling_z: float = param(1.0, "", 0.0, 20.0, "Buckling length about z over member length")

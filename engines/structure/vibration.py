@@ -11,6 +11,7 @@ from .beam_shapes import local_mass
 from .check_frame import check_frame
 from .frame import Frame, Rigidities
 from .linear import factor_of, factorise
+from .loads import GRAVITY, Loads
 from .modes import Modes, greatest_eigenpairs, scaled
 from .stiffness import members_of
 from .subdivision import along_members, repeated, subdivided
@@ -78,6 +79,20 @@ def vibration_modes(
     shapes = scaled(moved[:, : len(frame.nodes)], along_members(frame, moved, pieces))
     squares = np.maximum(1 / inverse - shift, 0.0)
     return Modes(np.sqrt(squares) / (2 * np.pi), *shapes)
+
+
+def carried_mass(frame: Frame, loads: Loads) -> Vector:
+    """What the permanent load cases weigh besides the members, as masses (N,) in kg at the nodes.
+
+    The downward part of loads on nodes and on members, these by the lever rule, over standard
+    gravity. Variable loads are left out.
+    """
+    lasting = np.array([action == "permanent" for action in loads.actions], dtype=bool)
+    down = -loads.nodal[lasting, :, 2].sum(axis=0)
+    start, end = -loads.line[lasting, :, :, 2].sum(axis=0).T * frame.lengths() / 6
+    np.add.at(down, frame.members[:, 0], 2 * start + end)
+    np.add.at(down, frame.members[:, 1], start + 2 * end)
+    return np.maximum(down, 0.0) / GRAVITY
 
 
 def _elastic(frame: Frame, rigidities: Rigidities) -> float:

@@ -3,8 +3,6 @@
 Columns are packed along the last axis, the first into the lowest bit of the first byte.
 """
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +11,8 @@ from ..core.scene import Vector
 Bits = NDArray[np.uint8]
 FULL = 65535
 """What stands for a transmittance of 1."""
-_BLOCK = 1 << 19  # values at a time: what stays in a processor's cache
+_BLOCK = 1 << 22  # values at a time: what stays in a processor's cache
+_FEW = 16  # columns of weights
 
 
 def packed(seen: NDArray[np.bool_]) -> Bits:
@@ -40,48 +39,58 @@ def sums(
     """Σ over the columns d of seen[n, d] · weights[d, k], (N, K) float64 to single precision.
 
     ``bits`` (N, ceil(D / 8)), ``weights`` (D, K). ``through`` (N, D), of FULL, weighs each further;
-    so does the cosine between ``facing``'s normals (N, 3) and directions (D, 3), where positive.
-    Bytes that no weight falls on are passed over.
+    so does the cosine between ``facing``'s normals (N, 3) and directions (D, 3), which is above 0
+    wherever a bit is set. Bytes that no weight falls on are passed over.
     """
-    columns = len(weights)
     used = _used_bytes(weights)
-    everywhere = len(used) == bits.shape[1]
-    if not everywhere:
-        bits = bits[:, used]
-        picked = np.minimum((8 * used[:, None] + np.arange(8)).ravel(), columns - 1)
-        beyond = (8 * used[:, None] + np.arange(8)).ravel() >= columns
-        weights = np.where(beyond[:, None], 0.0, weights[picked])
-        through = None if through is None else through[:, picked]
-        facing = None if facing is None else (facing[0], facing[1][picked])
-        columns = len(picked)
-    out = np.empty((len(bits), weights.shape[1]), np.float32)
-    towards = None
-    if facing is not None:
-        normals, directions = facing
-        if len(normals) and (normals == normals[0]).all():
-            weights = weights * np.maximum(directions @ normals[0], 0.0)[:, None]
-        else:
-            normals, towards = normals.astype(np.float32), directions.astype(np.float32).T.copy()
+    if len(used) < bits.shape[1]:
+        columns = (8 * used[:, None] + np.arange(8)).ravel()
+        columns = columns[columns < len(weights)]
+        bits, weights = bits[:, used], weights[columns]
+        through = None if through is None else through[:, columns]
+        facing = None if facing is None else (facing[0], facing[1][columns])
+    if facing is None or not len(bits):
+        return _multiplied(bits, weights, through)
+    normals, directions = facing
+    if (normals == normals[0]).all():
+        return _multiplied(bits, weights * (directions @ normals[0])[:, None], through)
+    if 3 * weights.shape[1] <= _FEW:
+        # The sum of weight · cosine is the normal times the sum of weight · direction.
+        vectors = (weights[:, :, None] * directions[:, None]).reshape(len(weights), -1)
+        total = _multiplied(bits, vectors, through).reshape(len(bits), -1, 3)
+        return np.einsum("nki,ni->nk", total, normals)
+    return _multiplied(bits, weights, through, facing)
+
+
+def _multiplied(
+    bits: Bits,
+    weights: Vector,
+    through: NDArray[np.uint16] | None,
+    facing: tuple[Vector, Vector] | None = None,
+) -> Vector:
+    columns, count = len(weights), len(bits)
     factors = np.ascontiguousarray(weights, dtype=np.float32)
+    normals, towards = (np.asarray(a, np.float32) for a in facing or (np.zeros(0), np.zeros(0)))
+    out = np.zeros((count, factors.shape[1]), np.float32)
     block = np.empty((max(1, _BLOCK // max(columns, 1)), columns), np.float32)
-    for rows in _rows(len(bits), len(block)):
-        here = block[: rows.stop - rows.start]
+    for start in range(0, count, len(block)):
+        rows = slice(start, min(start + len(block), count))
+        here = block[: rows.stop - start]
         here[...] = np.unpackbits(bits[rows], axis=1, count=columns, bitorder="little")
         if through is not None:
             here *= through[rows]
-        if towards is not None:
-            here *= normals[rows] @ towards
-        np.matmul(here, factors, out=out[rows])
-    total = out.astype(np.float64)
-    return total if through is None else total / FULL
+        if facing is not None:
+            here *= normals[rows] @ towards.T
+        if factors.shape[1] > _FEW:
+            np.matmul(here, factors, out=out[rows])
+            continue
+        # Column by column: BLAS would set several threads on this little, and they wait longer.
+        for k, column in enumerate(factors.T.copy()):
+            np.vecdot(here, column, out=out[rows, k])
+    return out.astype(np.float64) / (1 if through is None else FULL)
 
 
 def _used_bytes(weights: Vector) -> NDArray[np.int64]:
     """The bytes in which some column has a weight that is not 0."""
     some = (weights != 0).any(axis=1)
     return np.unique(np.flatnonzero(some) // 8)
-
-
-def _rows(count: int, step: int) -> Iterator[slice]:
-    for start in range(0, count, step):
-        yield slice(start, min(start + step, count))

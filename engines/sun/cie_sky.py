@@ -3,10 +3,11 @@
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..core.errors import ParameterError
 from ..core.scene import Vector
-from .luminance import luminance, relative_luminance
+from .luminance import relative_luminance
 from .sky import Skies
 
 OVERCAST = 16
@@ -35,7 +36,7 @@ NAMES = (
 _TABLE = np.loadtxt(Path(__file__).parent / "data" / "cie_15469.csv", delimiter=",")
 
 
-def cie_sky(kind: int, azimuth: Vector | float = 180.0, altitude: Vector | float = 45.0) -> Skies:
+def cie_sky(kind: int, azimuth: ArrayLike = 180.0, altitude: ArrayLike = 45.0) -> Skies:
     """The T skies of one kind, for suns at ``azimuth`` and ``altitude`` (T,) in degrees.
 
     ``kind``: 1 to 15 of ISO 15469:2004, or 16, the traditional overcast sky of Moon and Spencer,
@@ -66,8 +67,3 @@ def zenith_ratio(skies: Skies, directions: Vector) -> Vector:
     """The luminance (D, T) in ``directions`` (D, 3) over the zenith's, as the standard has it."""
     zenith = relative_luminance(skies, np.array([(0.0, 0.0, 1.0)]))
     return relative_luminance(skies, directions) / zenith
-
-
-def cie_luminance(skies: Skies, directions: Vector, diffuse: Vector | float) -> Vector:
-    """The luminance (D, T) in cd/m² of skies that give ``diffuse`` lx (T,) on the horizontal."""
-    return luminance(skies, directions, np.broadcast_to(diffuse, len(skies)))

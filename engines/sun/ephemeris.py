@@ -50,16 +50,20 @@ def geocentric_sun(days: Vector) -> Geocentric:
     Where the times are closer together than one a day, the terms are summed once a day and
     interpolated by cubic splines, which changes no direction by 1e-7°.
     """
-    low, high = float(days.min()), float(days.max())
-    knots = low + _STEP * np.arange(-_MARGIN, (high - low) / _STEP + 1 + _MARGIN)
-    table = CubicSpline(knots, _sums(knots))(days) if len(knots) < len(days) else _sums(days)
+    low, high = (float(days.min()), float(days.max())) if days.size else (0.0, 0.0)
+    count = int((high - low) / _STEP) + 2 + 2 * _MARGIN
+    if count < len(days):
+        knots = low + _STEP * (np.arange(count, dtype=np.float64) - _MARGIN)
+        table = CubicSpline(knots, _sums(knots))(days)
+    else:
+        table = _sums(days)
     direction = table[:, :3] / np.linalg.norm(table[:, :3], axis=1, keepdims=True)
     return Geocentric(direction, table[:, 3], table[:, 4])
 
 
 def _sums(days: Vector) -> Vector:
     """Direction, distance and equation of the equinoxes (T, 5), every term summed."""
-    blocks = (days[i : i + _BLOCK] for i in range(0, len(days), _BLOCK))
+    blocks = [days[i : i + _BLOCK] for i in range(0, max(len(days), 1), _BLOCK)]
     return np.concatenate([_block(block) for block in blocks])
 
 

@@ -15,7 +15,8 @@ from .weather_text import Rows, read_lines, rows_of, site_from
 from .year_grid import Stamps, grid_of
 
 _RECORD = re.compile(r"\s*\d{1,4}\s*,\s*\d{1,2}\s*,\s*\d{1,2}\s*,\s*\d{1,2}\s*,")
-_OFFSET = re.compile(r"Irradiance Time Offset \(h\):\s*(-?[\d.]+)")
+_OFFSET = re.compile(r"Irradiance Time Offset \(h\):\s*(-?\d+(?:\.\d+)?)")
+_NO_TEMPERATURE = (99.9, 99.99, 999.0, 999.9, 9999.0)
 _FEWEST = 16  # columns, up to the diffuse radiation
 
 
@@ -23,8 +24,8 @@ def read_epw(path: Path | str) -> Weather:
     """The weather of an EPW file [EnergyPlus, Auxiliary Programs, “EnergyPlus Weather File”].
 
     An hour's record is of the hour before its stamp, so hour 1 is half past midnight; shorter
-    records share the hour evenly. Values that the format marks as missing are repaired as `completed`
-    says. Years of months from several years are dated in one.
+    records share the hour evenly. Values that the format marks as missing are repaired as
+    `completed` says. Years of months from several years are dated in one.
 
     Raises FileError, naming the line, for what is no EPW or cannot be repaired.
     """
@@ -41,19 +42,19 @@ def read_epw(path: Path | str) -> Weather:
         global_horizontal=rows.column(13, "global horizontal radiation", 9999.0),
         direct_normal=rows.column(14, "direct normal radiation", 9999.0),
         diffuse_horizontal=rows.column(15, "diffuse horizontal radiation", 9999.0),
-        temperature=rows.column(6, "dry-bulb temperature", 99.9),
-        dew_point=rows.column(7, "dew-point temperature", 99.9),
+        temperature=_known_temperature(rows, 6, "dry-bulb temperature"),
+        dew_point=_known_temperature(rows, 7, "dew-point temperature"),
         pressure=_possible_pressure(rows),
     )
-    delay, note = _delay("\n".join(lines[:start]), 1.0 / stamps.per_hour)
+    late, note = _moments("\n".join(lines[:start]))
     return completed(
         path.name,
         site,
-        grid_of(rows, stamps, span),
+        grid_of(rows, stamps, span, ahead=0 if late is None else 1),
         columns,
         place,
         notes + note,
-        delay=delay,
+        delay=0.0 if late is None else late - 0.5 / stamps.per_hour,
     )
 
 
@@ -81,15 +82,13 @@ def _location(lines: Sequence[str], name: str) -> tuple[str, Site]:
 
 def _periods(header: Sequence[str], name: str) -> tuple[int, tuple[int, int] | None]:
     """Records an hour (0 where unsaid), and the first and last day of the data period."""
-    for number, line in enumerate(header, 1):
-        if line.upper().startswith("DATA PERIODS"):
-            fields = [field.strip() for field in line.split(",")]
-            break
-    else:
+    at = next((k for k, line in enumerate(header) if line.upper().startswith("DATA PERIODS")), None)
+    if at is None:
         return 0, None
+    fields = [field.strip() for field in header[at].split(",")]
     if len(fields) < 3 or not fields[2].isdigit() or not 1 <= int(fields[2]) <= 60:
         raise FileError(
-            f"“{name}” line {number}: DATA PERIODS does not say how many records an hour has; "
+            f"“{name}” line {at + 1}: DATA PERIODS does not say how many records an hour has; "
             "correct the line."
         )
     dates = [date for field in fields[3:] if (date := _date(field))]
@@ -105,19 +104,18 @@ def _date(field: str) -> int | None:
     return int(found[1]) * 100 + int(found[2])
 
 
-def _delay(header: str, hours: float) -> tuple[float, tuple[str, ...]]:
-    """How long after an interval's middle its sunlight is of, in h.
+def _moments(header: str) -> tuple[float | None, tuple[str, ...]]:
+    """How long after a record's stamp its sunlight is of, in h; None where it is a mean up to it.
 
-    PVGIS writes moments instead of means, and names them in a comment by their distance from the
-    hour after the stamp; with that, its direct and diffuse add up to its global radiation.
+    PVGIS writes moments, and names them in a comment by their distance from the hour after the
+    stamp; with that, its direct and diffuse add up to its global radiation.
     """
     found = _OFFSET.search(header)
     if not found or not -1.0 <= float(found[1]) <= 0.0:
-        return 0.0, ()
+        return None, ()
     late = 1.0 + float(found[1])
-    return late + 0.5 * hours, (
-        f"Radiation is of the moments {60 * late:.0f} min after the stamps, as the file's comment says.",
-    )
+    said = f"Radiation is of the moments {60 * late:.0f} min after the stamps, as a comment says."
+    return late, (said,)
 
 
 def _stamps(rows: Rows, per_hour: int) -> tuple[Stamps, tuple[str, ...]]:
@@ -137,14 +135,14 @@ def _stamps(rows: Rows, per_hour: int) -> tuple[Stamps, tuple[str, ...]]:
         notes.append("Hours run from 0 to 23; each is taken as the hour that it begins.")
     else:
         hours = hours - 1
-    count, parts = _parts(rows, np.stack([months, days, hours]), minutes, per_hour)
+    count, parts = _parts(rows, np.stack([months, days, hours]), minutes)
     if per_hour and count != per_hour:
         notes.append(f"The header says {per_hour} records an hour; there are {count}.")
     return Stamps(years, months, days, hours, parts, count), tuple(notes)
 
 
 def _parts(
-    rows: Rows, moments: NDArray[np.int64], minutes: NDArray[np.int64], per_hour: int
+    rows: Rows, moments: NDArray[np.int64], minutes: NDArray[np.int64]
 ) -> tuple[int, NDArray[np.int64]]:
     """How many records an hour has, and which of them each is, by the order of the minutes."""
     distinct, parts = np.unique(minutes, return_inverse=True)
@@ -157,6 +155,12 @@ def _parts(
             "not share it evenly; take a file of even intervals."
         )
     return len(distinct), parts
+
+
+def _known_temperature(rows: Rows, index: int, what: str) -> NDArray[np.float64]:
+    """Temperature in °C, NaN where it is one of the numbers that stand for none."""
+    values = rows.column(index, what)
+    return np.where(np.isin(values, _NO_TEMPERATURE), np.nan, values)
 
 
 def _possible_pressure(rows: Rows) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ SOLAR_CONSTANT = 1367.0
 def extraterrestrial(
     times: NDArray[np.datetime64], solar_constant: float = SOLAR_CONSTANT
 ) -> Vector:
-    """Irradiance normal to the sun outside the air (T,) in W/m² at ``times`` (T,) [Spencer 1971]."""
+    """Irradiance (T,) in W/m² normal to the sun outside the air at ``times`` [Spencer 1971]."""
     days = times.astype("datetime64[D]") - times.astype("datetime64[Y]").astype("datetime64[D]")
     angle = 2.0 * np.pi * days.astype(np.float64) / 365.0
     eccentricity = (

@@ -68,7 +68,7 @@ def hourly_skies(
         altitude,
         weather.direct_normal,
         weather.diffuse_horizontal,
-        outside=extraterrestrial(weather.times),
+        outside=extraterrestrial(weather.local_times),
     )
     up = altitude > 0
     diffuse = weather.diffuse_horizontal

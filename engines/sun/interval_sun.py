@@ -28,4 +28,3 @@ def sines(times: NDArray[np.datetime64], hours: Vector, site: Site) -> tuple[Vec
     altitude = sun_position(moments.ravel(), site, refraction=False).altitude
     sine = np.sin(np.radians(altitude)).reshape(moments.shape)
     return np.maximum(sine, 0.0).mean(axis=0), sine.max(axis=0)
-

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..core.scene import Vector
 from .sky import Skies
@@ -27,16 +28,16 @@ def relative_luminance(skies: Skies, directions: Vector) -> Vector:
 
 
 def luminance(
-    skies: Skies, directions: Vector, horizontal: Vector, integral: Vector | None = None
+    skies: Skies, directions: Vector, horizontal: ArrayLike, integral: Vector | None = None
 ) -> Vector:
     """The luminance or radiance (D, T) of T skies in ``directions`` (D, 3), unit vectors, Z up.
 
-    ``horizontal`` (T,): what each sky gives to a horizontal plane, in lx for cd/m² or in W/m² for
-    W/(m² sr); ``integral`` (T,): what it would give at its relative luminance, by
+    ``horizontal`` (T,) or one for all: what each sky gives to a horizontal plane, in lx for cd/m²
+    or in W/m² for W/(m² sr); ``integral`` (T,): what it would give at its relative luminance, by
     `horizontal_integral` if not said.
     """
     integral = horizontal_integral(skies) if integral is None else integral
-    return relative_luminance(skies, directions) * (horizontal / integral)
+    return relative_luminance(skies, directions) * (np.asarray(horizontal, float) / integral)
 
 
 def horizontal_integral(skies: Skies) -> Vector:

@@ -47,8 +47,9 @@ def read_nsrdb(path: Path | str) -> Weather:
         parts=parts,
         per_hour=per_hour,
     )
-    zone = site_from([head["Latitude"], head["Longitude"], head.get("Time Zone", ""), "0"],
-                     path.name, 2).utc_offset
+    zone = site_from(
+        [head["Latitude"], head["Longitude"], head.get("Time Zone", ""), "0"], path.name, 2
+    ).utc_offset
     ahead = int(np.floor((site.utc_offset - zone) * per_hour))
     delay = site.utc_offset - zone - ahead / per_hour + distinct[0] / 60.0 - 0.5 / per_hour
 

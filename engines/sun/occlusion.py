@@ -5,7 +5,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..core.scene import Body, Material, Mesh, Receiver, Scene, Vector
+from ..core.errors import SceneError
+from ..core.scene import Body, Material, Mesh, Receiver, Scene, Surface, Vector
 from .soup import Soup
 
 _FAR = 4.0  # times the first reach: from there the centre is chosen anew
@@ -78,6 +79,7 @@ class Occluders:
         mesh, material = self._meshes.get(key, (None, None))
         if mesh is body.mesh and material == body.material:
             return self._digests[key]
+        _check(body)
         parts = (body.mesh.vertices, body.mesh.faces)
         return _hash(*map(np.ascontiguousarray, parts), repr(body.material).encode())
 
@@ -102,11 +104,21 @@ def is_pane(material: Material) -> bool:
     return material.kind == "dielectric" and material.roughness == 0
 
 
-def _mesh_of(receiver: object) -> Mesh:
+def _check(body: Body) -> None:
+    if not len(body.mesh.faces):
+        raise SceneError(f"“{body.name}” has no faces; delete it or give it a mesh.")
+    # A sum is finite only where all of them are, and needs no array of its own.
+    if not np.isfinite(body.mesh.vertices.sum()):
+        raise SceneError(
+            f"“{body.name}” has vertices that are not finite numbers; rebuild its mesh."
+        )
+
+
+def _mesh_of(receiver: Receiver | Surface) -> Mesh:
     if isinstance(receiver, Receiver):
         o, u, v = receiver.origin, receiver.u, receiver.v
         return Mesh(np.array([o, o + u, o + u + v, o + v]), np.array([[0, 1, 2, 3]], np.int32))
-    return receiver.mesh  # type: ignore[attr-defined]
+    return receiver.mesh
 
 
 def _heap(material: Material, moving: bool) -> str:

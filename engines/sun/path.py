@@ -40,11 +40,14 @@ def sun_path(site: Site, year: int = 2019) -> tuple[PathLine, ...]:
     The site's standard time counts. Where the sun does not set an arc is a whole turn; a day or an
     hour without sun has no line. Raises ParameterError for a site out of bounds.
     """
-    lines: list[tuple[Kind, str, Times]] = [
+    days: list[tuple[Kind, str, Times]] = [
         ("day", f"{date.astype(object).day} {_month_of(date)}", _day(date, site))
         for date in _dates(year, site)
     ]
-    lines += [("hour", f"{hour} h", _hour(hour, year, site)) for hour in range(24)]
+    hours: list[tuple[Kind, str, Times]] = [
+        ("hour", f"{hour} h", _hour(hour, year, site)) for hour in range(24)
+    ]
+    lines = days + hours
     points = sun_position(np.concatenate([times for *_, times in lines]), site).direction
     parts = np.split(points, np.cumsum([len(times) for *_, times in lines])[:-1])
     return tuple(
@@ -74,11 +77,9 @@ def _day(date: np.datetime64, site: Site) -> Times:
 
 def _hour(hour: int, year: int, site: Site) -> Times:
     """One hour of the clock every few days, and on the first day of the next year."""
-    first = np.datetime64(f"{year:04d}-01-01")
     days = np.append(np.arange(0, 365, _DAYS), 365)
-    return universal_time(
-        first.astype("datetime64[h]") + days.astype("timedelta64[D]") + hour, site
-    )
+    hours = (days * 24 + hour).astype("timedelta64[h]")
+    return universal_time(np.datetime64(f"{year:04d}-01-01", "h") + hours, site)
 
 
 def _above(points: Vector) -> Iterator[Vector]:

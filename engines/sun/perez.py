@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..core.errors import ParameterError
 from ..core.scene import Vector
@@ -40,28 +40,28 @@ class PerezSky:
 
 
 def perez_sky(
-    azimuth: Vector,
-    altitude: Vector,
-    direct_normal: Vector,
-    diffuse_horizontal: Vector,
+    azimuth: ArrayLike,
+    altitude: ArrayLike,
+    direct_normal: ArrayLike,
+    diffuse_horizontal: ArrayLike,
     *,
-    outside: Vector | float = SOLAR_CONSTANT,
+    outside: ArrayLike = SOLAR_CONSTANT,
 ) -> PerezSky:
     """The T skies that give the irradiances [Perez, Seals & Michalsky 1993, eq. 1 and 6–8].
 
     ``azimuth`` and ``altitude`` (T,) of the sun in degrees, clockwise from north;
     ``direct_normal``, ``diffuse_horizontal`` and, outside the air and normal to the sun,
-    ``outside`` (T,) in W/m². A sun below the horizon lights the sky as one on it, one above 87° as
-    one at 87°. Clearness, brightness, air mass [Kasten 1966] and the floor of 0.2 for Δ at ε from
-    1.065 to 2.8 are gendaylit's. Outside what they were fitted to, as for a low sun in a bright
-    sky, a and b can make a zenith darker than black or a horizon without bound, where gendaylit
-    gives up with a black sky: such a sky has no gradation here. A typical year has none.
+    ``outside`` (T,) in W/m²; each may be one number for all. A sun below the horizon lights the
+    sky as one on it, one above 87° as one at 87°. Clearness, brightness, air mass [Kasten 1966] and
+    the floor of 0.2 for Δ at ε from 1.065 to 2.8 are gendaylit's. Outside what they were fitted to,
+    as for a low sun in a bright sky, a and b can make a zenith darker than black or a horizon
+    without bound, where gendaylit gives up with a black sky: such a sky has no gradation here. A
+    typical year has none.
 
     Raises ParameterError, naming the interval, for an irradiance that is negative or not a number.
     """
-    azimuth, altitude, direct, diffuse = (
-        np.atleast_1d(np.asarray(a, float))
-        for a in (azimuth, altitude, direct_normal, diffuse_horizontal)
+    azimuth, altitude, direct, diffuse = np.broadcast_arrays(
+        *(np.atleast_1d(a) for a in (azimuth, altitude, direct_normal, diffuse_horizontal))
     )
     _check(azimuth, "sun's azimuth", signed=True)
     _check(altitude, "sun's altitude", signed=True)
@@ -70,10 +70,10 @@ def perez_sky(
     height = np.clip(np.radians(altitude), 0.0, HIGHEST)
     zenith = np.pi / 2 - height
     cubed = 1.041 * zenith**3
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         beam = np.where(direct > 0, direct / diffuse, 0.0)
     clearness = np.clip((1 + beam + cubed) / (1 + cubed), *CLEARNESS)
-    brightness = np.clip(diffuse * air_mass(zenith) / outside, *BRIGHTNESS)
+    brightness = np.clip(diffuse * air_mass(zenith) / np.asarray(outside, float), *BRIGHTNESS)
     turn = np.radians(azimuth)
     sun = np.stack(
         [np.sin(turn) * np.cos(height), np.cos(turn) * np.cos(height), np.sin(height)], axis=1
@@ -132,9 +132,8 @@ def _check(values: Vector, name: str, signed: bool = False) -> None:
     """Refuse what is not a number, or negative unless ``signed``."""
     bad = ~np.isfinite(values) if signed else ~(np.isfinite(values) & (values >= 0))
     if bad.any():
-        first = int(np.flatnonzero(bad)[0])
+        first, more = int(np.flatnonzero(bad)[0]), int(bad.sum()) - 1
         raise ParameterError(
-            f"Interval {first} has a {name} of {values[first]:g}"
-            f"{'' if signed else ' W/m²'}, and {int(bad.sum()) - 1} more intervals are like it: "
-            "repair the weather first."
+            f"Interval {first} has a {name} of {values[first]:g}{'' if signed else ' W/m²'}"
+            f"{f', and {more} more are like it' if more else ''}: repair the weather first."
         )

@@ -2,13 +2,14 @@
 
 import calendar
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import ParameterError
 from ..core.parameters import check_value, fields_of, nested, param
+from .degree_days import seasons
 from .site import Site, check_site
 from .times import Times, check_order, hour_of_day, month_and_day, standard_time
 from .turning import turning_points
@@ -95,15 +96,12 @@ def check_period(period: Period) -> None:
             check_value(field, getattr(period, field.name), "period")
     for field in fields_of(CoolingSeason):
         check_value(field, getattr(period.cooling, field.name), "period.cooling")
-    season = period.cooling
-    for month, day in (
-        *((period.first_month, period.first_day), (period.last_month, period.last_day)),
-        *((season.first_month, season.first_day), (season.last_month, season.last_day)),
-    ):
+    ends = period if period.span == "dates" else period.cooling
+    for month, day in ((ends.first_month, ends.first_day), (ends.last_month, ends.last_day)):
         if day > _LONGEST[month - 1]:
             raise ParameterError(
-                f"{calendar.month_name[month]} has {_LONGEST[month - 1]} days and no "
-                f"day {day}; choose a date of the calendar."
+                f"{calendar.month_name[month]} has {_LONGEST[month - 1]} days and no day {day}; "
+                "choose a date of the calendar."
             )
 
 
@@ -125,13 +123,14 @@ def period_text(period: Period) -> str:
     return ", ".join(parts)
 
 
-def _by_degree_days(weather: Any, period: Period) -> Mask:
+def _by_degree_days(weather: Weather | Times, period: Period) -> Mask:
     if not isinstance(weather, Weather):
         raise ParameterError(
             "Seasons by degree days need a weather's temperatures; read a weather file, or give "
             "the season's dates."
         )
-    raise NotImplementedError
+    parts = seasons(weather)
+    return parts.heating if period.span == "heating season" else parts.cooling
 
 
 def _days(times: Times, period: Period, site: Site) -> Mask:

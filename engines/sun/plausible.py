@@ -10,6 +10,7 @@ from ..core.scene import Vector
 from .interval_sun import sines
 from .site import Site
 from .weather import Weather
+from .weather_text import counted
 
 _LIT = 20.0  # W/m²: more than dusk and sensors give while the sun is down
 _TOO_MANY = 0.05
@@ -29,9 +30,10 @@ def check_plausible(
 ) -> list[str]:
     """What is odd, as notes; ``given`` (T,) is the file's global radiation, NaN where missing.
 
-    ``sine``, ``highest`` (T,) of the sun as in `interval_sun.sines`, ``above`` (T,) extraterrestrial
-    irradiance, ``lines`` (T,) of the file. Raises FileError where the sun shines at night, where
-    more reaches the ground than the air, or where a temperature is none, too often for chance.
+    ``sine``, ``highest`` (T,) of the sun as in `interval_sun.sines`, ``above`` (T,)
+    extraterrestrial irradiance, ``lines`` (T,) of the file. Raises FileError where the sun shines
+    at night or more reaches the ground than the air too often for chance, and for a temperature
+    that is none on earth.
     """
     _check_temperatures(name, weather, lines)
     _check_nights(name, weather, highest)
@@ -50,7 +52,7 @@ def _check_temperatures(name: str, weather: Weather, lines: NDArray[np.int64]) -
 
 
 def _check_nights(name: str, weather: Weather, highest: Vector) -> None:
-    """Sunshine at night means that the site or the clock is wrong; say which, where one mends it."""
+    """Sunshine at night means that the site or the clock is wrong: say which mends it."""
     share = _night_share(weather, highest)
     if share <= _TOO_MANY:
         return
@@ -97,22 +99,23 @@ def _over(
     excess = given - above * sine
     over = excess > _LIT
     day = sine > 0.1
-    if np.mean(over[day]) > _MOST_OVER:
+    if day.any() and np.mean(over[day]) > _MOST_OVER:
         raise FileError(
-            f"“{name}” has more global radiation than reaches the air in {np.mean(over[day]):.0%} of "
-            "its daylight hours: its unit is not W/m², or its site is wrong."
+            f"“{name}” has more global radiation than reaches the air in {np.mean(over[day]):.0%} "
+            "of its daylight hours: its unit is not W/m², or its site is wrong. Correct the file."
         )
     notes = []
     if over.any():
         worst = int(np.nanargmax(excess))
         notes.append(
-            f"Global radiation is above what reaches the air in {np.count_nonzero(over)} records, "
-            f"most on line {lines[worst]} ({given[worst]:.0f} of {(above * sine)[worst]:.0f} W/m²)."
+            f"Global radiation: {counted(np.count_nonzero(over), 'record')} above what reaches the "
+            f"air, most on line {lines[worst]} ({given[worst]:.0f} of {(above * sine)[worst]:.0f} W/m²)."
         )
     beyond = weather.direct_normal > above
     if beyond.any():
         notes.append(
-            f"Direct radiation is above what reaches the air in {np.count_nonzero(beyond)} records."
+            f"Direct radiation: {counted(np.count_nonzero(beyond), 'record')} above what reaches "
+            "the air."
         )
     return notes
 

@@ -92,8 +92,8 @@ def sun_position(
 
 
 def direction_of(azimuth: ArrayLike, altitude: ArrayLike) -> Vector:
-    """Unit vectors (…, 3), X east, Y north, Z up, of azimuths and altitudes (…) in degrees."""
-    turn, rise = np.radians(azimuth), np.radians(altitude)
+    """Unit vectors (…, 3), X east, Y north, Z up, of azimuths and altitudes in degrees."""
+    turn, rise = np.broadcast_arrays(np.radians(azimuth), np.radians(altitude))
     flat = np.cos(rise)
     return np.stack([flat * np.sin(turn), flat * np.cos(turn), np.sin(rise)], axis=-1)
 

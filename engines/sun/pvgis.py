@@ -19,8 +19,9 @@ _STAMP = re.compile(r"(\d{4})(\d{2})(\d{2}):(\d{2})(\d{2})")
 def read_pvgis(path: Path | str) -> Weather:
     """The weather of a PVGIS typical year as CSV [Huld et al., Solar Energy 86, 2012].
 
-    Its stamps are UTC, and its radiation is of the moment that the header's “Irradiance Time Offset”
-    puts after them. The file names no time zone: it is taken from the longitude, in whole hours.
+    Its stamps are UTC, and its radiation is of the moment that the header's “Irradiance Time
+    Offset” puts after them. The file names no time zone: it is taken from the longitude, in whole
+    hours.
 
     Raises FileError, naming the line, for what is no such file or cannot be repaired.
     """
@@ -34,11 +35,14 @@ def read_pvgis(path: Path | str) -> Weather:
     longitude = head.get("Longitude (decimal degrees)", "")
     offset = head.get("Irradiance Time Offset (h)", "0")
     try:
-        zone, late = round(float(longitude) / 15.0), float(offset)
+        east, late = float(longitude), float(offset)
     except ValueError:
+        east = late = np.nan
+    if not (abs(east) <= 180.0 and abs(late) <= 1.0):
         raise FileError(
             f"“{path.name}” has no longitude or time offset in its header; download it again."
-        ) from None
+        )
+    zone = round(east / 15.0)
     latitude = head.get("Latitude (decimal degrees)", "")
     site = site_from([latitude, longitude, str(zone), head.get("Elevation (m)", "")], path.name, 1)
     rows = rows_of(lines[:end], start + 1, path.name, 6)

@@ -1,7 +1,7 @@
 """Rays from every sensor in every direction, in batches of bounded memory."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,12 +25,18 @@ GRAZING = 1e-6
 class Rays:
     """N sensors' rays in D directions, about a scene's centre and in single precision.
 
-    ``origins`` (N, 3) m, ``normals`` (N, 3), ``directions`` (D, 3).
+    ``origins`` (N, 3) m, ``offset`` m from the sensors along their ``normals`` (N, 3);
+    ``directions`` (D, 3).
     """
 
     origins: NDArray[np.float32]
     normals: NDArray[np.float32]
     directions: NDArray[np.float32]
+    offset: float
+
+    def some(self, which: NDArray[np.int64]) -> "Rays":
+        """The rays of some of the sensors."""
+        return replace(self, origins=self.origins[which], normals=self.normals[which])
 
     def batches(self, progress: Progress = SILENT) -> Iterator[slice]:
         """Runs of sensors with no more than BATCH rays, or single ones."""
@@ -49,6 +55,7 @@ def rays_of(occluders: Occluders, sensors: Sensors, directions: Vector) -> Rays:
         (origins + offset * sensors.normals).astype(np.float32),
         sensors.normals.astype(np.float32),
         np.asarray(directions).astype(np.float32),
+        offset,
     )
 
 
@@ -60,39 +67,51 @@ def facing(rays: Rays, progress: Progress = SILENT) -> bits.Bits:
     return out
 
 
-def unblocked(soup: Soup, rays: Rays, among: bits.Bits, progress: Progress = SILENT) -> bits.Bits:
-    """Which of the rays ``among`` (N, ceil(D / 8)) meet none of the soup's triangles."""
+def unblocked(
+    soup: Soup, rays: Rays, among: bits.Bits | None = None, progress: Progress = SILENT
+) -> bits.Bits:
+    """Which of the rays ``among`` (N, ceil(D / 8)) meet none of the soup's triangles.
+
+    None stands for all that are in front of their sensors.
+    """
     if soup.scene is None:
-        return among
+        return facing(rays, progress) if among is None else among
     out = _empty(rays)
     for rows in rays.batches(progress):
-        fired = Fired(rays, rows, among[rows])
+        fired = Fired(rays, rows, among)
         free = fired.active & ~soup.scene.ray_test(fired.ray, fired.active)
         out[rows] = bits.packed(np.asarray(free).reshape(-1, len(rays.directions)))
     return out
 
 
 class Fired:
-    """Some sensors' rays on the device, a lane each; ``active`` are those ``among`` (n, bytes)."""
+    """Some sensors' rays on the device, a lane each; ``active`` are those ``among`` (N, bytes), or
+    all in front of the sensors."""
 
-    def __init__(self, rays: Rays, rows: slice, among: bits.Bits) -> None:
+    def __init__(self, rays: Rays, rows: slice, among: bits.Bits | None) -> None:
         mi = runtime.mitsuba()
         import drjit as dr
+
+        def loaded(vectors: NDArray[np.float32]) -> Any:
+            return mi.Vector3f(np.ascontiguousarray(vectors.T))
 
         columns = len(rays.directions)
         index = dr.arange(mi.UInt32, (rows.stop - rows.start) * columns)
         # Opaque, so that one kernel serves every number of directions.
         row = index // dr.opaque(mi.UInt32, columns)
         column = index - row * columns
-        origins = mi.Point3f(np.ascontiguousarray(rays.origins[rows].T))
-        directions = mi.Vector3f(np.ascontiguousarray(rays.directions.T))
-        self.ray: Any = mi.Ray3f(
-            dr.gather(mi.Point3f, origins, row), dr.gather(mi.Vector3f, directions, column)
-        )
-        words = mi.UInt32(_words(among))
-        byte = row * dr.opaque(mi.UInt32, among.shape[1]) + (column >> 3)
-        word = dr.gather(mi.UInt32, words, byte >> 2)
-        self.active: Any = (word >> (((byte & 3) << 3) + (column & 7))) & 1 != 0
+        origin = dr.gather(mi.Vector3f, loaded(rays.origins[rows]), row)
+        direction = dr.gather(mi.Vector3f, loaded(rays.directions), column)
+        self.ray: Any = mi.Ray3f(mi.Point3f(origin), direction)
+        self.active: Any
+        if among is None:
+            normal = dr.gather(mi.Vector3f, loaded(rays.normals[rows]), row)
+            self.active = dr.dot(normal, direction) > GRAZING
+        else:
+            words = mi.UInt32(_words(among[rows]))
+            byte = row * dr.opaque(mi.UInt32, among.shape[1]) + (column >> 3)
+            word = dr.gather(mi.UInt32, words, byte >> 2)
+            self.active = (word >> (((byte & 3) << 3) + (column & 7))) & 1 != 0
 
 
 def _words(among: bits.Bits) -> NDArray[np.uint32]:

@@ -29,6 +29,6 @@ def read_weather(path: Path | str) -> Weather:
     if path.suffix.lower() == ".epw":
         return read_epw(path)  # which says what is wrong with it
     raise FileError(
-        f"“{path.name}” is not a weather file that is known here; choose an EPW, a TMY3 or NSRDB CSV "
-        "or a PVGIS typical year as CSV."
+        f"“{path.name}” is not a weather file that is known here; choose an EPW, a TMY3 or NSRDB "
+        "CSV or a PVGIS typical year as CSV."
     )

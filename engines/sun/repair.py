@@ -1,5 +1,6 @@
-"""A file's records made into a whole year of weather: gaps closed where they are short, and said."""
+"""A file's records made into a whole year of weather; short gaps are closed, and said."""
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from .plausible import check_plausible
 from .site import Site
 from .split import split_reindl
 from .weather import Weather, seconds
+from .weather_text import counted
 from .year_grid import Grid
 
 MOST_HOURS = 6.0
@@ -60,13 +62,13 @@ def completed(
     sine, highest = sines(times, hours, site)
     above = extraterrestrial(times)
     kinds = {
-        "global horizontal": grid.spread(columns.global_horizontal),
-        "direct normal": grid.spread(columns.direct_normal),
-        "diffuse horizontal": grid.spread(columns.diffuse_horizontal),
+        "Global horizontal": grid.spread(columns.global_horizontal),
+        "Direct normal": grid.spread(columns.direct_normal),
+        "Diffuse horizontal": grid.spread(columns.diffuse_horizontal),
     }
     _scale_energies(kinds, sine, above, grid.hours, said)
     _clear_nights(kinds, highest, said)
-    given = kinds["global horizontal"].copy()
+    given = kinds["Global horizontal"].copy()
     _close(kinds, sine, above, said)
     _interpolate_radiation(name, kinds, grid, sine, above, said)
     weather = Weather(
@@ -74,21 +76,16 @@ def completed(
         year=grid.year,
         times=times,
         hours=hours,
-        global_horizontal=kinds["global horizontal"],
-        direct_normal=kinds["direct normal"],
-        diffuse_horizontal=kinds["diffuse horizontal"],
-        temperature=_bridged(grid.spread(columns.temperature), grid, "temperature", said),
-        dew_point=_bridged(grid.spread(columns.dew_point), grid, "dew point", said),
-        pressure=_bridged(grid.spread(columns.pressure), grid, "pressure", said),
+        global_horizontal=kinds["Global horizontal"],
+        direct_normal=kinds["Direct normal"],
+        diffuse_horizontal=kinds["Diffuse horizontal"],
+        temperature=_bridged(grid.spread(columns.temperature), grid, "Temperature", said),
+        dew_point=_bridged(grid.spread(columns.dew_point), grid, "Dew point", said),
+        pressure=_bridged(grid.spread(columns.pressure), grid, "Pressure", said),
         source=source,
     )
     said += check_plausible(name, weather, given, sine, highest, above, grid.lines)
-    return _with_notes(weather, said)
-
-
-def _with_notes(weather: Weather, said: list[str]) -> Weather:
-    values = {field: getattr(weather, field) for field in Weather.__slots__}
-    return Weather(**{**values, "notes": tuple(said)})
+    return dataclasses.replace(weather, notes=tuple(said))
 
 
 def _check_gaps(name: str, grid: Grid, said: list[str]) -> None:
@@ -103,7 +100,7 @@ def _check_gaps(name: str, grid: Grid, said: list[str]) -> None:
             f"{MOST_HOURS:g} h are filled. Take a file of the whole year."
         )
     count = sum(end - start for start, end in gaps)
-    said.append(f"{count} records were missing and are interpolated, the longest gap {when}.")
+    said.append(f"{counted(count, 'missing record')} interpolated, the longest gap {when}.")
 
 
 def _scale_energies(
@@ -114,10 +111,10 @@ def _scale_energies(
     Both are in use. Skies are clear at times, so a year whose clearness never passes its square
     root of the interval's share is of energies.
     """
-    high = (sine > 0.3) & np.isfinite(kinds["global horizontal"])
+    high = (sine > 0.3) & np.isfinite(kinds["Global horizontal"])
     if hours >= 1.0 or np.count_nonzero(high) < 100:
         return
-    clearness = kinds["global horizontal"][high] / (above * sine)[high]
+    clearness = kinds["Global horizontal"][high] / (above * sine)[high]
     if np.quantile(clearness, 0.98) < 0.8 * np.sqrt(hours):
         for kind in kinds:
             kinds[kind] = kinds[kind] / hours
@@ -130,7 +127,9 @@ def _clear_nights(kinds: dict[str, Vector], highest: Vector, said: list[str]) ->
         values[values < _SENSOR] = np.nan
         below = values < -1.0
         if below.any():
-            said.append(f"{np.count_nonzero(below)} values of {kind} radiation below zero are zero.")
+            said.append(
+                f"{kind} radiation: {counted(np.count_nonzero(below), 'value')} below zero set to zero."
+            )
         values[values < 0.0] = 0.0
         values[np.isnan(values) & (highest <= 0.0)] = 0.0
 
@@ -138,28 +137,30 @@ def _clear_nights(kinds: dict[str, Vector], highest: Vector, said: list[str]) ->
 def _close(kinds: dict[str, Vector], sine: Vector, above: Vector, said: list[str]) -> None:
     """Find the kind of radiation that is missing from the other two, or two from the global one."""
     total, direct, diffuse = kinds.values()
+    if np.nansum(total) > 0.0 and not np.nansum(direct) + np.nansum(diffuse):
+        direct[sine > 0.0] = diffuse[sine > 0.0] = np.nan  # unknown, written as zero
     found = np.isnan(total) & np.isfinite(direct + diffuse)
     total[found] = (direct * sine + diffuse)[found]
-    _say(said, found, "global horizontal", "added up from direct and diffuse")
+    _say(said, found, "Global horizontal", "added up from direct and diffuse")
 
     found = np.isnan(diffuse) & np.isfinite(total + direct)
     diffuse[found] = np.maximum(total - direct * sine, 0.0)[found]
-    _say(said, found, "diffuse horizontal", "what global leaves over direct")
+    _say(said, found, "Diffuse horizontal", "taken as what global leaves over direct")
 
     found = np.isnan(direct) & np.isfinite(total + diffuse)
     left = np.maximum(total - diffuse, 0.0) / np.maximum(sine, _LOW)
     direct[found] = np.where(sine > _LOW, np.minimum(left, above), 0.0)[found]
-    _say(said, found, "direct normal", "what global leaves over diffuse")
+    _say(said, found, "Direct normal", "taken as what global leaves over diffuse")
 
     found = np.isfinite(total) & np.isnan(direct) & np.isnan(diffuse)
     altitude = np.degrees(np.arcsin(sine[found]))
     direct[found], diffuse[found] = split_reindl(total[found], altitude, above[found])
-    _say(said, found, "direct and diffuse", "split from global after Reindl 1990")
+    _say(said, found, "Direct and diffuse", "split from global after Reindl 1990")
 
 
 def _say(said: list[str], found: NDArray[np.bool_], kind: str, how: str) -> None:
     if found.any():
-        said.append(f"{np.count_nonzero(found)} values of {kind} radiation are {how}.")
+        said.append(f"{kind} radiation: {counted(np.count_nonzero(found), 'value')} {how}.")
 
 
 def _interpolate_radiation(
@@ -173,52 +174,53 @@ def _interpolate_radiation(
     """Interpolate direct and diffuse as shares of what reaches the air; global is their sum."""
     total, direct, diffuse = kinds.values()
     absent = np.isnan(direct) | np.isnan(diffuse)
+    known = ~absent & (sine > _LOW)
+    if not known.any() or not np.any(total[known] > 0.0):
+        raise FileError(f"“{name}” has no solar radiation; choose a file that has.")
     if not absent.any():
         return
-    known = ~absent & (sine > _LOW)
-    if not known.any():
-        raise FileError(f"“{name}” has no solar radiation; choose a file that has.")
     start, end = max(_runs(absent), key=lambda gap: gap[1] - gap[0])
     if (end - start) * grid.hours > MOST_HOURS:
         raise FileError(
             f"“{name}” has no solar radiation from {_moment(grid, start)} to "
-            f"{_moment(grid, end - 1)}; gaps of up to {MOST_HOURS:g} h are filled. Take another file."
+            f"{_moment(grid, end - 1)}; gaps of up to {MOST_HOURS:g} h are filled. Take another "
+            "file."
         )
     place = np.arange(len(sine))
     for values, most in ((direct, above * (sine > 0.0)), (diffuse, above * sine)):
-        share = np.interp(place, place[known], (values[known] / most[known]))
-        values[absent] = (share * most)[absent]
+        share = np.interp(place, place[known], values[known] / most[known])
+        values[:] = np.where(np.isnan(values), share * most, values)
     total[absent] = (direct * sine + diffuse)[absent]
     if (grid.lines[absent] > 0).any():
-        said.append(f"{np.count_nonzero(absent)} intervals' radiation is interpolated.")
+        said.append(f"Radiation: {counted(np.count_nonzero(absent), 'interval')} interpolated.")
 
 
 def _bridged(values: Vector, grid: Grid, what: str, said: list[str]) -> Vector:
     """Straight lines over gaps of up to MOST_HOURS; longer ones stay unknown."""
     absent = np.isnan(values)
     if absent.all():
-        said.append(f"The {what} is unknown.")
+        said.append(f"{what}: unknown.")
         return values
     place = np.arange(len(values))
     line = np.interp(place, place[~absent], values[~absent])
-    left = 0
+    left = bridged = 0
     for start, end in _runs(absent):
         if (end - start) * grid.hours <= MOST_HOURS:
             values[start:end] = line[start:end]
+            bridged += np.count_nonzero(grid.lines[start:end])
         else:
             left += end - start
     if left:
-        said.append(f"The {what} is unknown for {left * grid.hours:g} h.")
-    bridged = np.count_nonzero(absent & (grid.lines > 0)) - left
-    if bridged > 0:
-        said.append(f"{bridged} values of {what} are interpolated.")
+        said.append(f"{what}: unknown for {left * grid.hours:g} h.")
+    if bridged:
+        said.append(f"{what}: {counted(bridged, 'value')} interpolated.")
     return values
 
 
 def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Where ``flags`` (T,) are true in a row: first index and the one after the last."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
-    return list(map(tuple, edges.reshape(-1, 2).tolist()))
+    return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]
 
 
 def _moment(grid: Grid, index: int) -> str:

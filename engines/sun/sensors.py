@@ -1,7 +1,7 @@
 """Where sun and sky are measured: points with a normal and the area that each stands for."""
 
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +46,7 @@ class Sensors:
         out[self.home] = values
         return out.reshape(*self.shape, *values.shape[1:])
 
-    def some(self, which: slice | NDArray[np.generic]) -> "Sensors":
+    def some(self, which: slice | NDArray[np.integer[Any] | np.bool_]) -> "Sensors":
         """The sensors that ``which`` selects, as points of their own."""
         home = self.home[which]
         return Sensors(
@@ -90,7 +90,9 @@ def at_points(points: Vector, normals: Vector, *, offset: float = OFFSET) -> Sen
     """
     points, normals = (np.array(a, dtype=np.float64).reshape(-1, 3) for a in (points, normals))
     if len(points) != len(normals):
-        raise SceneError(f"There are {len(points)} points and {len(normals)} normals; give as many.")
+        raise SceneError(
+            f"There are {len(points)} points and {len(normals)} normals; give as many."
+        )
     length = np.linalg.norm(normals, axis=1)
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1) | ~np.isfinite(length) | ~(length > 0))
     if len(bad):
@@ -111,7 +113,8 @@ def on_plane(
     sensor in the middle of each; their shape is (rows along Y, columns along X). Raises
     ParameterError for a size or a spacing that is not above 0.
     """
-    if not min(width, length, spacing) > 0:
+    sizes = np.array([width, length, spacing])
+    if not (np.isfinite(sizes).all() and (sizes > 0).all()):
         raise ParameterError(
             f"A grid of {width:g} m by {length:g} m every {spacing:g} m has no cells; give sizes "
             "and a spacing above 0."

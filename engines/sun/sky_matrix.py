@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..core.errors import ParameterError
 from ..core.scene import Vector
@@ -16,7 +16,7 @@ from .hourly import HourlySkies, Quantity, hourly_skies
 from .luminance import relative_blocks
 from .patches import patches_of
 from .site import Site
-from .sky import Patches
+from .sky import Patches, Skies
 from .weather import Weather
 
 Direct = Literal["patches", "none"]
@@ -90,14 +90,24 @@ def matrix_blocks(
     """
     if direct not in get_args(Direct):
         raise ParameterError(f"Direct light goes to the “patches” or to “none”, not to “{direct}”.")
-    projected = patches.solid_angles * patches.directions[:, 2]
     lit = np.flatnonzero((hourly.diffuse > 0) | (hourly.direct > 0))
-    for part, block in relative_blocks(hourly.skies[lit], patches.directions):
+    for part, block in _sky_blocks(hourly.skies[lit], hourly.diffuse[lit], patches):
         which = lit[part]
-        block *= (hourly.diffuse[which] / (block @ projected))[:, None]
         if direct == "patches":
             _add_suns(block, hourly.sun[which], hourly.direct[which], patches)
         yield which, block
+
+
+def on_patches(skies: Skies, horizontal: ArrayLike, patches: Patches) -> Vector:
+    """The luminance or radiance (P, T) of the patches under any skies, as the CIE's.
+
+    ``horizontal`` (T,) or one for all: what a sky's patches together give to a horizontal plane, in
+    lx for cd/m² or in W/m² for W/(m² sr).
+    """
+    found = np.empty((len(skies), len(patches.solid_angles)))
+    for part, block in _sky_blocks(skies, np.broadcast_to(horizontal, len(skies)), patches):
+        found[part] = block
+    return found.T
 
 
 def ground_radiance(hourly: HourlySkies, reflectance: float = 0.2) -> Vector:
@@ -111,6 +121,16 @@ def ground_radiance(hourly: HourlySkies, reflectance: float = 0.2) -> Vector:
         raise ParameterError(f"The ground reflects a share of 0 to 1, not {reflectance:g}.")
     falling = hourly.diffuse + hourly.direct * np.maximum(hourly.sun[:, 2], 0.0)
     return falling * reflectance / np.pi
+
+
+def _sky_blocks(
+    skies: Skies, horizontal: Vector, patches: Patches
+) -> Iterator[tuple[slice, Vector]]:
+    """The skies on patches in pieces of bounded size: which skies, and (t, P) of theirs."""
+    projected = patches.solid_angles * patches.directions[:, 2]
+    for part, block in relative_blocks(skies, patches.directions):
+        block *= (horizontal[part] / (block @ projected))[:, None]
+        yield part, block
 
 
 def _add_suns(block: Vector, sun: Vector, direct: Vector, patches: Patches) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import runtime
-from ..core.errors import SceneError
 from ..core.scene import Body, Vector
+from ..core.solid import inspect
 
 CLOSE = 1e-6
 """Of the largest coordinate: what single precision can tell apart, with room for rounding."""
@@ -21,7 +21,7 @@ class Soup:
     """The triangles of some bodies about ``centre`` (3,) m, and the tree that rays meet them by.
 
     ``owner`` (T,) int32 is each triangle's place among ``bodies``, ``reach`` the largest coordinate
-    in m. Raises SceneError for a body without faces or with vertices that are not finite.
+    in m.
     """
 
     def __init__(self, bodies: tuple[Body, ...], centre: Vector) -> None:
@@ -33,14 +33,17 @@ class Soup:
         self.reach = 0.0
         self.scene: Any = None
         self._handle: Any = None
+        self._orientation: Vector | None = None
+        self._closed: dict[int, bool] = {}
         self.put(bodies)
 
     def put(self, bodies: tuple[Body, ...]) -> None:
-        """Put other bodies in place of these; where the faces stay, only their tree is made anew."""
+        """Put other bodies in place of these; with the same faces, only their tree is made anew."""
         vertices, faces, owner = _triangles(bodies, self.centre)
         same = np.array_equal(faces, self.faces) and len(vertices) == len(self.vertices)
         self.bodies, self.vertices, self.faces, self.owner = bodies, vertices, faces, owner
         self.reach = float(np.abs(vertices).max(initial=0.0))
+        self._orientation, self._closed = None, {}
         if not len(faces):
             self.scene = self._handle = None
         elif same and self._handle is not None:
@@ -58,29 +61,39 @@ class Soup:
         length = np.linalg.norm(cross, axis=-1, keepdims=True)
         return np.divide(cross, length, out=np.zeros_like(cross), where=length > 0)
 
+    @property
+    def orientation(self) -> Vector:
+        """1 for each body whose faces look outward, −1 where they look inward, by its volume."""
+        if self._orientation is None:
+            a, b, c = (self.vertices[self.faces[:, i]].astype(np.float64) for i in range(3))
+            parts = np.einsum("ij,ij->i", a, np.cross(b, c))
+            volumes = np.bincount(self.owner, parts, minlength=len(self.bodies))
+            self._orientation = np.where(volumes < 0, -1.0, 1.0)
+        return self._orientation
+
+    def closed(self, body: int) -> bool:
+        """Whether that body's faces enclose something."""
+        if body not in self._closed:
+            self._closed[body] = inspect(self.bodies[body].mesh).open_edges == 0
+        return self._closed[body]
+
 
 def _triangles(
     bodies: tuple[Body, ...], centre: Vector
 ) -> tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.int32]]:
-    vertices, faces, owner, count = [np.zeros((0, 3), np.float32)], [np.zeros((0, 3))], [], 0
+    vertices = [np.zeros((0, 3), np.float32)]
+    faces = [np.zeros((0, 3), np.uint32)]
+    owner, count = [], 0
     for body in bodies:
         mesh = body.mesh
-        if not len(mesh.faces):
-            raise SceneError(f"“{body.name}” has no faces; delete it or give it a mesh.")
-        places = mesh.vertices - centre
-        # A sum is finite only where all of them are, and needs no array of its own.
-        if not np.isfinite(places.sum()):
-            raise SceneError(
-                f"“{body.name}” has vertices that are not finite numbers; rebuild its mesh."
-            )
         triangles = mesh.triangles().faces
-        vertices.append(places.astype(np.float32))
-        faces.append(triangles + count)
+        vertices.append((mesh.vertices - centre).astype(np.float32))
+        faces.append(triangles.astype(np.uint32) + np.uint32(count))
         owner.append(len(triangles))
-        count += len(places)
+        count += len(mesh.vertices)
     return (
         np.concatenate(vertices),
-        np.concatenate(faces).astype(np.uint32),
+        np.concatenate(faces),
         np.repeat(np.arange(len(bodies), dtype=np.int32), owner),
     )
 

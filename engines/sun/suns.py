@@ -26,7 +26,9 @@ def true_suns(weather: Weather | Times, site: Site) -> Suns:
 
     ``weather``: T intervals, whose temperature and pressure bend the sun's light, or plain times
     (T,), datetime64 in UTC. ``weights`` (S, T) is sparse and holds a 1 for each sun: multiplied by
-    (T,) of the intervals it gives (S,) of the suns. In polar night there are no suns.
+    (T,) of the intervals it gives (S,) of the suns. What shines in the first and last minutes of a
+    day whose hour has its middle in the night is left out: 0.1 % of a clear hourly year at most.
+    In polar night there are no suns.
 
     Raises ParameterError for a site out of bounds and for times as `check_order` says.
     """

@@ -36,12 +36,14 @@ def read_tmy3(path: Path | str) -> Weather:
             "latitude, longitude and elevation; download the file again."
         )
     site = site_from([head[4], head[5], head[3], head[6]], path.name, 1)
-    titles = [title.strip() for title in lines[1].split(",")]
+    titles = [title.strip().strip('"') for title in lines[1].split(",")]
+    if titles[:2] != [_DATE, _TIME]:
+        raise FileError(f"“{path.name}” line 2: the second column should be “{_TIME}”.")
     rows = rows_of(lines, 2, path.name, len(titles) - 1)
     return completed(
         path.name,
         site,
-        grid_of(rows, _stamps(rows, titles)),
+        grid_of(rows, _stamps(rows)),
         Columns(
             global_horizontal=_named(rows, titles, "GHI (W/m"),
             direct_normal=_named(rows, titles, "DNI (W/m"),
@@ -63,10 +65,9 @@ def _named(rows: Rows, titles: Sequence[str], title: str) -> np.ndarray:
     return rows.column(at, title)
 
 
-def _stamps(rows: Rows, titles: Sequence[str]) -> Stamps:
+def _stamps(rows: Rows) -> Stamps:
     """When each record begins; its stamp is when it ends."""
-    at = titles.index(_DATE), titles.index(_TIME)
-    ends = np.array([_end(rows, k, *at) for k in range(len(rows.lines))])
+    ends = np.array([_end(rows, k) for k in range(len(rows.lines))])
     minutes = ends[:, 3] * 60 + ends[:, 4]
     per_hour = len(np.unique(ends[:, 4]))
     if 60 % per_hour:
@@ -93,13 +94,18 @@ def _stamps(rows: Rows, titles: Sequence[str]) -> Stamps:
     )
 
 
-def _end(rows: Rows, k: int, date: int, time: int) -> tuple[int, int, int, int, int]:
+def _end(rows: Rows, k: int) -> tuple[int, int, int, int, int]:
     """Year, month, day, hour and minute of record ``k``'s stamp."""
-    texts = rows.fields[k][date], rows.fields[k][time]
+    texts = rows.fields[k][:2]
     try:
         month, day, year = (int(part) for part in texts[0].split("/"))
         hour, minute = (int(part) for part in texts[1].split(":"))
-        if not (1 <= month <= 12 and 1 <= day <= 31 and 0 <= minute < 60 and 0 <= hour * 60 + minute <= 1440):
+        if not (
+            1 <= month <= 12
+            and 1 <= day <= 31
+            and 0 <= minute < 60
+            and 0 <= hour * 60 + minute <= 1440
+        ):
             raise ValueError
     except ValueError:
         raise FileError(

@@ -15,9 +15,10 @@ class Weather:
 
     ``times`` (T,) datetime64[s], UTC: the middle of each interval, in ``year`` by the site's
     standard time; ``hours`` (T,) float64: how long each is, in h. ``global_horizontal``,
-    ``direct_normal``, ``diffuse_horizontal`` (T,) in W/m², means over the intervals; ``temperature``
-    (T,) in °C, ``dew_point`` (T,) in °C, ``pressure`` (T,) in Pa, NaN where unknown. ``site`` is the
-    file's; ``source`` names it. ``notes``: what was missing, guessed or repaired.
+    ``direct_normal``, ``diffuse_horizontal`` (T,) in W/m², means over the intervals;
+    ``temperature`` (T,) in °C, ``dew_point`` (T,) in °C, ``pressure`` (T,) in Pa, NaN where
+    unknown. ``site`` is the file's; ``source`` names it. ``notes``: what was missing, guessed or
+    repaired.
     """
 
     site: Site

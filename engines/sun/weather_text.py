@@ -105,7 +105,7 @@ def rows_of(lines: Sequence[str], start: int, name: str, fewest: int) -> Rows:
     Raises FileError when there is none, when one has fewer than ``fewest`` columns or not as many
     as the first.
     """
-    kept = [(k, line) for k, line in enumerate(lines[start:], start + 1) if line.strip(" \t,")]
+    kept = [(k, line) for k, line in enumerate(lines[start:], start + 1) if line.strip(" \t,\x1a")]
     if not kept:
         raise FileError(f"“{name}” has a header but no records after it; download it again.")
     fields = tuple(line.split(",") for _, line in kept)
@@ -113,13 +113,13 @@ def rows_of(lines: Sequence[str], start: int, name: str, fewest: int) -> Rows:
     for (number, _), row in zip(kept, fields, strict=True):
         if len(row) < fewest:
             raise FileError(
-                f"“{name}” line {number} has {len(row)} columns where at least {fewest} are needed; "
-                "it is cut short or not separated by commas. Download the file again."
+                f"“{name}” line {number} has {len(row)} columns where at least {fewest} are "
+                "needed; it is cut short or not separated by commas. Download the file again."
             )
         if len(row) != count:
             raise FileError(
-                f"“{name}” line {number} has {len(row)} columns, but line {kept[0][0]} has {count}: "
-                "a comma is missing or too many. Correct the line or download the file again."
+                f"“{name}” line {number} has {len(row)} columns, but line {kept[0][0]} has {count}:"
+                " a comma is missing or too many. Correct the line or download the file again."
             )
     return Rows(name, fields, tuple(number for number, _ in kept))
 
@@ -133,13 +133,18 @@ def site_from(texts: Sequence[str], name: str, line: int) -> Site:
     for key, text in zip(keys, texts, strict=True):
         if not _is_number(text):
             raise FileError(
-                f"“{name}” line {line}: the site's {key.replace('_', ' ')} is “{text.strip()[:40]}”, "
-                "not a number; correct the line."
+                f"“{name}” line {line}: the site's {key.replace('_', ' ')} is "
+                f"“{text.strip()[:40]}”, not a number; correct the line."
             )
     try:
         return from_table(Site, dict(zip(keys, map(float, texts), strict=True)), name)
     except ParameterError as error:
         raise FileError(f"Line {line} does not give a place on earth: {error}") from error
+
+
+def counted(count: int, what: str) -> str:
+    """“1 value”, “3 values”."""
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def _is_number(text: str) -> bool:

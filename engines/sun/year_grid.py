@@ -18,9 +18,10 @@ _MONTHS = np.array([31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31])
 
 @dataclass(frozen=True, slots=True)
 class Stamps:
-    """When R records are, in the site's standard time: each (R,) int.
+    """When R records are, by the file's clock: each (R,) int.
 
-    ``hours`` count from 0, the one after midnight; ``parts`` from 0 within the hour, of ``per_hour``.
+    ``hours`` count from 0, the one after midnight; ``parts`` from 0 within the hour, which has
+    ``per_hour``.
     """
 
     years: NDArray[np.int64]
@@ -35,8 +36,9 @@ class Stamps:
 class Grid:
     """T intervals in a row, of which records fill some.
 
-    ``middles`` (T,) datetime64[s] in standard time, all in ``year``; ``at`` (R,) int: which interval
-    each record is of; ``lines`` (T,) int: the line a record is from, 0 for none; ``hours`` of each.
+    ``middles`` (T,) datetime64[s] in standard time, all in ``year``; ``at`` (R,) int: which
+    interval each record is of; ``lines`` (T,) int: the line a record is from, 0 for none; ``hours``
+    that each lasts.
     """
 
     year: int
@@ -56,7 +58,7 @@ class Grid:
 def grid_of(
     rows: Rows, stamps: Stamps, span: tuple[int, int] | None = None, *, ahead: int = 0
 ) -> Grid:
-    """The intervals of the year, or of the days of the year ``span``, and where ``rows`` stand in it.
+    """The intervals of the year, or of the days of ``span``, and where ``rows`` stand in them.
 
     ``span`` holds the first and last day as month · 100 + day. Records of a typical year, whose
     months come from several, are dated in one. ``ahead``: how many intervals the site's clock is
@@ -78,10 +80,9 @@ def grid_of(
         last = max((closed + 1) * per_day - 1, int(slots.max()))
     year, note = _year_of(stamps.years, leap)
     grid_slots = np.arange(first, last + 1)
-    date = np.array(f"{year}-01-01", "datetime64[s]") + _days(grid_slots // per_day, year, leap)
-    middles = date + np.round(
-        (grid_slots % per_day + 0.5) * 3600.0 / stamps.per_hour
-    ).astype("timedelta64[s]")
+    seconds = np.round((grid_slots % per_day + 0.5) * 3600.0 / stamps.per_hour)
+    days = np.datetime64(f"{year}-01-01", "s") + _days(grid_slots // per_day, year, leap)
+    middles = days + seconds.astype("timedelta64[s]")
     at = slots - first
     lines = np.zeros(len(middles), np.int64)
     lines[at] = rows.lines
@@ -109,12 +110,14 @@ def _year_of(years: NDArray[np.int64], leap: bool) -> tuple[int, tuple[str, ...]
 
 
 def _check_days(rows: Rows, stamps: Stamps, lengths: NDArray[np.int64]) -> None:
-    wrong = stamps.days > lengths[stamps.months - 1]
+    months = np.clip(stamps.months, 1, 12)
+    wrong = (stamps.months != months) | (stamps.days < 1) | (stamps.days > lengths[months - 1])
+    wrong |= (stamps.hours < 0) | (stamps.hours > 23)
     if wrong.any():
         at = int(np.argmax(wrong))
         raise FileError(
-            f"“{rows.name}” line {rows.lines[at]}: month {stamps.months[at]} has no day "
-            f"{stamps.days[at]}; correct the line."
+            f"“{rows.name}” line {rows.lines[at]}: no year has a month {stamps.months[at]}, day "
+            f"{stamps.days[at]}, hour {stamps.hours[at]}; correct the line."
         )
 
 
@@ -123,6 +126,6 @@ def _check_once(rows: Rows, at: NDArray[np.int64], lines: NDArray[np.int64]) -> 
     if twice.any():
         k = int(np.argmax(twice))
         raise FileError(
-            f"“{rows.name}” lines {rows.lines[k]} and {lines[at[k]]} are of the same interval of the "
-            "year; give one year, in standard time, without summer time."
+            f"“{rows.name}” lines {rows.lines[k]} and {lines[at[k]]} are of the same interval of "
+            "the year; give one year, in standard time, without summer time."
         )

@@ -303,3 +303,22 @@ def test_faces_of_a_mesh_carry_a_load_and_its_diagonals_are_no_members(scene):
     assert not made.heliform.problem
     assert facts["figures"]["members"]["value"] == 2 * 4 * 5
     assert any("area load" in str(line) for line in facts["combinations"])
+
+
+def test_the_structure_stays_at_hand_while_one_of_its_handles_is_active(roof):
+    roof.heliform.controls = True
+    bpy.context.view_layer.objects.active = handles_of(roof)["net.p11"]
+    assert structures.active_structure(bpy.context) == roof
+    assert bpy.ops.heliform.worst_member() == {"FINISHED"}
+    assert roof.heliform.member >= 0
+    assert bpy.ops.heliform.size_structure() == {"FINISHED"}
+    assert members.facts_of(roof)["folder"]
+
+
+def test_the_legend_of_section_classes_names_those_that_are_there(roof):
+    roof.heliform.member_map = "class"
+    assert [label for label, _ in layers.layer_of(roof).swatches] == ["Not classed"]
+    roof.heliform.structure.rules.mode = "eurocode"
+    labels = [label for label, _ in layers.layer_of(roof).swatches]
+    assert labels
+    assert all(label in ("Class 1", "Class 2", "Class 3", "Class 4") for label in labels)

@@ -17,7 +17,7 @@ EFFICACY = 179.0
 
 
 def typical_year(name: str = "723170TYA.CSV") -> Weather:
-    """A typical year that pvlib ships, as pvlib reads it: Greensboro, or 703165TY.csv Sand Point."""
+    """A typical year that pvlib ships, as it reads it: Greensboro, or 703165TY.csv, Sand Point."""
     path = Path(pvlib.__file__).parent / "data" / name
     table, place = pvlib.iotools.read_tmy3(path, coerce_year=2019, map_variables=True)
     site = Site(
@@ -59,7 +59,7 @@ def part(weather: Weather, chosen) -> Weather:
 
 def local(weather: Weather):
     """Month, day, day of the year and hour (T,) by the site's standard time."""
-    times = weather.times + np.timedelta64(round(3600 * weather.site.utc_offset), "s")
+    times = weather.local_times
     month = times.astype("datetime64[M]").astype(int) % 12 + 1
     day = (times.astype("datetime64[D]") - times.astype("datetime64[M]")).astype(int) + 1
     hour = (times - times.astype("datetime64[D]")).astype(float) / 3600
@@ -71,16 +71,14 @@ def radiance_sun(weather: Weather):
     """Azimuth from north and altitude (T,) in rad of the sun as gendaylit and gendaymtx have it."""
     _, _, day, hour = local(weather)
     site = weather.site
-    declination = 0.4093 * np.sin((2 * np.pi / 368) * (day - 81))
+    declination = 0.4093 * np.sin((2 * np.pi / 365) * (day - 81))
     shift = 0.170 * np.sin((4 * np.pi / 373) * (day - 80)) - 0.129 * np.sin(
         (2 * np.pi / 355) * (day - 8)
     )
     turn = (hour + shift + site.longitude / 15 - site.utc_offset) * np.pi / 12
     latitude = np.radians(site.latitude)
     sine, cosine = np.sin(latitude), np.cos(latitude)
-    altitude = np.arcsin(
-        sine * np.sin(declination) - cosine * np.cos(declination) * np.cos(turn)
-    )
+    altitude = np.arcsin(sine * np.sin(declination) - cosine * np.cos(declination) * np.cos(turn))
     azimuth = np.pi - np.arctan2(
         np.cos(declination) * np.sin(turn),
         -cosine * np.sin(declination) - sine * np.cos(declination) * np.cos(turn),
@@ -127,16 +125,12 @@ def gendaylit(weather: Weather, index: int, output: int):
 
 
 def perezlum(numbers, directions):
-    """What perezlum.cal makes of gendaylit's numbers in ``directions``, before the ground's share."""
+    """What perezlum.cal makes of gendaylit's numbers (D,), before the ground's share."""
     scale, _, a, b, c, d, e = numbers[:7]
     cosine = directions @ numbers[7:]
     gamma = np.arccos(np.clip(cosine, -1, 1))
     height = np.maximum(directions[:, 2], 0.01)
-    return (
-        scale
-        * (1 + a * np.exp(b / height))
-        * (1 + c * np.exp(d * gamma) + e * cosine**2)
-    )
+    return scale * (1 + a * np.exp(b / height)) * (1 + c * np.exp(d * gamma) + e * cosine**2)
 
 
 def gendaymtx(weather: Weather, subdivision: int, *options):

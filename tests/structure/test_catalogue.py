@@ -278,6 +278,8 @@ def test_ones_own_family_comes_before_a_shipped_one_of_that_name(tmp_path):
         ("thickness", "thicknes", "family “boxes”, row 1 .*“thicknes”; did you mean “thickness”"),
         ("height = 200, ", "", "family “boxes”, row 1 has no “height”"),
         ("height = 200", "height = -200", "row 1: height = -200.* should be a length in mm"),
+        ("height = 200", "height = 0.2", "row 1: height = 0.2 .* lengths in m are to be mult"),
+        ("[8, 10]", "[0.01]", "row 1: thickness = 0.01 should be a length in mm, from 0.1"),
         ("height = 200", 'height = "200"', "row 1: height = '200'"),
         ("height = 200", "height = true", "row 1: height = True"),
         ("height = 200", "height = nan", "row 1: height = nan"),
@@ -316,7 +318,10 @@ def test_a_catalogue_that_is_not_there_is_said_so(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"youngs": -1}, "youngs = -1 should be a number above 0"),
+        ({"youngs": -1}, "youngs = -1 should be a number of N/mm²"),
+        ({"youngs": 1.1e10}, "youngs = 11000000000.0 should be a number of N/mm², from 500"),
+        ({"youngs": 11.0}, "youngs = 11.0 should be a number of N/mm²"),
+        ({"density": 0.42}, "density = 0.42 should be a number of kg/m³, from 50"),
         ({"density": "heavy"}, "density = 'heavy'"),
         ({"glued": 1}, "glued should be true or false"),
         ({"yeild": 235}, "unknown key “yeild”"),

@@ -61,11 +61,10 @@ def test_the_boundary_of_a_mesh_is_where_edges_have_one_face():
 
 def test_given_nodes_are_held_by_the_indices_of_the_mesh():
     nodes = np.vstack([[[9, 9, 9]], TENT])  # a loose vertex first
-    model = model_from_edges(
-        nodes, np.array(EDGES) + 1, network=Network(supports="given"), given=[1, 3]
-    )
+    network = Network(supports="given", chosen="1, 3")
+    model = model_from_edges(nodes, np.array(EDGES) + 1, network=network)
     assert np.flatnonzero(model.frame.held.any(axis=1)).tolist() == [0, 2]
-    assert any("1 nodes without an edge" in note for note in model.notes)
+    assert "Node 0 without an edge: left out." in model.notes
 
 
 def test_doubles_are_merged_and_said():
@@ -77,7 +76,7 @@ def test_doubles_are_merged_and_said():
     assert np.array_equal(model.frame.members, EDGES)
     assert sorted(map(tuple, model.cells[:, :3].tolist())) == sorted(map(tuple, FACES))
     said = " ".join(model.notes)
-    for part in ("1 nodes were merged", "1 edges without length", "2 edges that were there twice"):
+    for part in ("Node 5 merged", "Edge 4–5 without length", "Edges 1–0 and 4–0 there"):
         assert part in said
 
 
@@ -89,13 +88,20 @@ def test_a_face_of_many_corners_is_cut_into_triangles_of_the_same_area():
     a, b, c = np.moveaxis(model.frame.nodes[model.cells[:, :3]], 1, 0)
     assert np.cross(b - a, c - a)[:, 2].sum() / 2 == pytest.approx(7 / 2 * np.sin(2 * np.pi / 7))
     assert (model.frame.normals == [0, 0, 1]).all()
-    assert "1 faces of more than four corners were cut" in model.notes[0]
+    assert "Face 0 of more than four corners: cut" in model.notes[0]
 
 
 def test_a_wall_has_its_places_along_and_up():
     nodes = [[0, 0, 0], [6, 0.1, 0], [0, 0, 9], [6, 0, 9]]
     model = model_from_edges(nodes, [[0, 2], [1, 3], [2, 3]])
     assert model.surface == pytest.approx(np.array([[0, 0.5], [1, 0.5], [0.5, 1]]))
+
+
+def test_a_level_mesh_is_held_everywhere_and_says_so():
+    square = [[0, 0, 0], [4, 0, 0], [4, 3, 0], [0, 3, 0]]
+    model = model_from_edges(square, [[0, 1], [1, 2], [2, 3], [3, 0]])
+    assert model.frame.held[:, :3].all()
+    assert "All 4 nodes are held" in model.notes[0]
 
 
 @pytest.mark.parametrize(
@@ -110,7 +116,10 @@ def test_a_wall_has_its_places_along_and_up():
         ({"nodes": TENT * [1, 1, np.nan]}, "Node 0 has no place"),
         ({"faces": [[0, 1, 4], [1, 4, 2]]}, "Cells 0 and 1 face opposite ways .* nodes 1 and 4"),
         ({"network": Network(supports="given")}, "No nodes are chosen"),
-        ({"network": Network(supports="given"), "given": [8]}, "Node 8 is to be held"),
+        ({"network": Network(supports="given", chosen="8")}, "Node 8 is to be held"),
+        ({"network": Network(supports="given", chosen="1 -2")}, "“-2” is no index of a vertex"),
+        ({"nodes": 1000 * TENT}, "longer .* member . .nodes . and .. .* in millimetres; scale it"),
+        ({"nodes": 0.001 * TENT}, "shorter than 0.0032 m.* member . .nodes . and .. .* scale it"),
         (
             {"network": Network(supports="boundary"), "faces": [*FACES, [3, 2, 1, 0]]},
             "closed and has no edge",

@@ -1,17 +1,21 @@
 """The result: what it says agrees with itself, and comes back as it was saved."""
 
 import json
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 from heliform.engines.core.colour import Display
 from heliform.engines.core.errors import FileError
 from heliform.engines.core.scene import Scene
+from heliform.engines.structure.combinations import CombinationRules
 from heliform.engines.structure.drawing import draw, projected
+from heliform.engines.structure.loading import Loading
 from heliform.engines.structure.loads import GRAVITY
+from heliform.engines.structure.rules import Rules
+from heliform.engines.structure.shell import Shell
 from heliform.engines.structure.sized import Sized
-from heliform.engines.structure.structure import size_structure
+from heliform.engines.structure.structure import Structure, size_structure
 from PIL import Image
 
 from .sized_roofs import TIMBER, roof
@@ -104,6 +108,51 @@ def test_frequencies_and_buckling_factors_are_there_when_asked(timber):
     assert not len(size_structure(Scene(), roof(per="all")).frequencies)
 
 
+def test_a_heavier_cladding_swings_slower():
+    record = replace(roof(per="all", modes=1), loading=Loading(cladding=0.0))
+    light = size_structure(Scene(), record)
+    clad = Loading(area_load=3000.0, cladding=2000.0)
+    heavy = size_structure(Scene(), replace(record, loading=clad))
+    assert set(heavy.rows["name"]) == set(light.rows["name"])
+    # Rayleigh: the mass of the glass lies as the members' own nearly does.
+    own = value(light, "mass")
+    expected = (own / (own + 2000.0 * 600.0 / GRAVITY)) ** 0.5
+    found = heavy.frequencies[0] / light.frequencies[0]
+    assert found == pytest.approx(expected, rel=0.2)
+
+
+def said(record, part) -> bool:
+    return any(part in note for note in size_structure(Scene(), record).meta["notes"])
+
+
+def test_eurocode_without_partial_factors_says_that_it_is_unsafe():
+    plain = roof(mode="eurocode", timber="timber", per="all")
+    factored = replace(plain.rules, combinations=CombinationRules(rule="eurocode"))
+    assert said(plain, "without partial factors, which is unsafe")
+    assert not said(replace(plain, rules=factored), "unsafe")
+
+
+def test_a_roof_that_buckles_as_a_whole_says_so():
+    flat = Shell(spacing=5.0, length=30.0, span=30.0, rise=2.0, rise_ends=2.0)
+    timber = Structure(form="shell", shell=flat, rules=Rules(modes=1), material=TIMBER)
+    factor = size_structure(Scene(), timber).buckling[0]
+    assert 1 < factor < 10
+    assert said(timber, f"would buckle at {factor:.3g} times its loads")
+    thin = replace(timber.rules.timber_range, height_high=0.1)
+    slack = replace(timber, rules=replace(timber.rules, timber_range=thin))
+    assert size_structure(Scene(), slack).buckling[0] < 1
+    assert said(slack, "The whole buckles at")
+
+
+def test_what_bends_too_far_is_named():
+    result = size_structure(Scene(), roof())
+    member = int(result.served.utilisation[0].argmax())
+    start, end = result.model.frame.members[member]
+    assert result.served.utilisation[0, member] > 1
+    named = f"allowed at member {member} (nodes {start} and {end})."
+    assert any(named in note for note in result.meta["notes"])
+
+
 def test_a_result_comes_back_as_it_was_saved(timber, tmp_path):
     files = timber.save(tmp_path)
     assert sorted(files) == sorted(path.name for path in tmp_path.iterdir())
@@ -147,7 +196,6 @@ def test_pictures_show_failing_members_in_red(timber, tmp_path):
 def test_a_picture_of_a_tower_is_an_elevation(tmp_path):
     from heliform.engines.structure.facade import Facade
     from heliform.engines.structure.loading import FACADE_LOADING
-    from heliform.engines.structure.structure import Structure
 
     facade = Facade(modules=8, height=80.0, width=20.0, depth=20.0)
     tower = Structure(form="facade", facade=facade, loading=FACADE_LOADING)

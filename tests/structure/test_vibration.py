@@ -7,7 +7,12 @@ import pytest
 from heliform.engines.core.errors import SceneError
 from heliform.engines.structure import modes as modes_module
 from heliform.engines.structure.frame import Frame
-from heliform.engines.structure.vibration import natural_frequencies, vibration_modes
+from heliform.engines.structure.loads import GRAVITY, Loads
+from heliform.engines.structure.vibration import (
+    carried_mass,
+    natural_frequencies,
+    vibration_modes,
+)
 from structure.lines import LENGTH, STIFF, line_of, rigid
 
 MASS = 12.0
@@ -169,3 +174,21 @@ def test_frequencies_do_not_depend_on_where_a_frame_stands():
 def test_masses_that_cannot_be_are_refused(mass, added, said):
     with pytest.raises(SceneError, match=said):
         natural_frequencies(line_of(2), rigid(2, mass=mass), 1, added)
+
+
+def test_permanent_loads_swing_with_the_members():
+    frame = line_of(2)
+    count = len(frame.members)
+    line = np.zeros((3, count, 2, 3))
+    line[0, :, 0, 2], line[1, :, :, 2], line[2, :, :, 2] = -60.0, -1e3, 40.0
+    nodal = np.zeros((3, len(frame.nodes), 6))
+    nodal[0, 1, 2] = -500.0
+    actions = ("permanent", "imposed", "permanent")
+    loads = Loads(("glass", "snow", "lift"), actions, np.zeros((3, 3)), nodal, line)
+    only = Loads(("glass",), ("permanent",), np.zeros((1, 3)), nodal[:1], line[:1])
+    mass = carried_mass(frame, only)
+    weight = 500.0 + 30.0 * frame.lengths().sum()
+    assert mass.sum() * GRAVITY == pytest.approx(weight)
+    assert mass[0] * GRAVITY == pytest.approx(60.0 * frame.lengths()[0] / 3)  # the lever rule
+    assert (carried_mass(frame, loads) <= mass).all()  # what lifts takes off, none is negative
+    assert (carried_mass(frame, loads) >= 0).all()

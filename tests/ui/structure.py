@@ -11,7 +11,7 @@ thousand members is laid out, analysed and sized while it is dragged.
 import importlib
 import sys
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from pathlib import Path
 from typing import Any
 
@@ -35,33 +35,11 @@ def module(name: str) -> Any:
     return importlib.import_module(f"{window.package()}.{name}")
 
 
-def press(place: tuple[int, int], happened: Callable[[], object]) -> Generator[float]:
-    """Click until it happened; a busy machine loses a click."""
-    for _ in range(6):
-        yield from window.click(*place)
-        for _ in range(20):
-            if happened():
-                return
-            yield 0.1
-    window.picture("not pressed")
-    raise AssertionError(f"Nothing came of a click at {place}.")
-
-
 def key(name: str, place: tuple[int, int]) -> Generator[float]:
     """Press and release a key with the mouse at a place."""
     for value in ("PRESS", "RELEASE"):
         window.view()["window"].event_simulate(name, value, x=place[0], y=place[1])
         yield 0.2
-
-
-def scroll(steps: int) -> Generator[float]:
-    """Turn the wheel over the sidebar, far enough to reach its end."""
-    view = window.view()
-    sidebar = next(r for r in view["area"].regions if r.type == "UI")
-    with bpy.context.temp_override(**view | {"region": sidebar}):
-        for _ in range(abs(steps)):
-            (bpy.ops.view2d.scroll_down if steps > 0 else bpy.ops.view2d.scroll_up)()
-    yield 1.0
 
 
 def look(obj: bpy.types.Object, closer: float = 0.8, up: float = 0.0) -> Generator[float]:
@@ -135,9 +113,9 @@ def roof() -> bpy.types.Object:
 def added() -> Generator[float]:
     """Choose Roof in the menu."""
     window.picture("empty")
-    yield from press(MENU, lambda: True)
+    yield from window.press(MENU, lambda: True)
     window.picture("menu")
-    yield from press(ROOF, lambda: "Roof" in bpy.data.objects)
+    yield from window.press(ROOF, lambda: "Roof" in bpy.data.objects)
     yield from look(roof())
     window.picture("roof")
     assert figures(roof())["failing"] == 0
@@ -172,12 +150,12 @@ def picked() -> Generator[float]:
     """Click a member that can be seen."""
     place, wanted = seen(roof())
     window.call(bpy.ops.heliform.pick_member, "INVOKE_DEFAULT")
-    yield from press(place, lambda: roof().heliform.member == wanted)
+    yield from window.press(place, lambda: roof().heliform.member == wanted)
     yield 0.5
     window.picture("picked")
-    yield from scroll(8)
+    yield from window.scroll(8)
     window.picture("picked checks")
-    yield from scroll(-60)
+    yield from window.scroll(-60)
 
 
 def swung() -> Generator[float]:
@@ -340,15 +318,16 @@ def sized() -> Generator[float]:
     idle = gaps.say("idle")
     window.call(bpy.ops.heliform.size_structure, "INVOKE_DEFAULT")
     begun = time.perf_counter()
-    shown = False
+    yield from window.scroll(60)
+    gaps.gaps.clear()
+    while jobs.state.running and jobs.state.fraction < 0.2:
+        yield 0.1
+    busy = gaps.say("while sizing")
+    window.picture("sizing")
     gaps.gaps.clear()
     while jobs.state.running:
         yield 0.1
-        if not shown and jobs.state.fraction > 0.2:
-            shown = True
-            yield from scroll(60)
-            window.picture("sizing")
-    busy = gaps.say("while sizing")
+    gaps.say("while its result comes in")
     print(f"Size Members: {time.perf_counter() - begun:.1f} s", flush=True)
     yield 1.0
     window.picture("sized")

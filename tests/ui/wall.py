@@ -9,7 +9,7 @@ The wall is a click on its button; the rest is called as from the window.
 import importlib
 import json
 import sys
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from pathlib import Path
 
 import bpy
@@ -20,28 +20,6 @@ import window
 
 WALL = (1080, 872)
 """Where the button is in a window of 1600 × 1000, from its lower left."""
-
-
-def press(place: tuple[int, int], happened: Callable[[], object]) -> Generator[float]:
-    """Click until it happened; a busy machine loses a click."""
-    for _ in range(6):
-        yield from window.click(*place)
-        for _ in range(20):
-            if happened():
-                return
-            yield 0.1
-    window.picture("not pressed")
-    raise AssertionError(f"Nothing came of a click at {place}.")
-
-
-def scroll(steps: int) -> Generator[float]:
-    """Turn the wheel over the sidebar."""
-    view = window.view()
-    sidebar = next(r for r in view["area"].regions if r.type == "UI")
-    with bpy.context.temp_override(**view | {"region": sidebar}):
-        for _ in range(abs(steps)):
-            (bpy.ops.view2d.scroll_down if steps > 0 else bpy.ops.view2d.scroll_up)()
-    yield 1.0
 
 
 def wall() -> bpy.types.Object:
@@ -89,24 +67,24 @@ def steps() -> Generator[float]:
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
     yield from window.open_sidebar()
-    yield from press(WALL, lambda: "Rosette" in bpy.data.objects)
+    yield from window.press(WALL, lambda: "Rosette" in bpy.data.objects)
     yield 2.0
     window.call(bpy.ops.view3d.view_selected)
     yield 2.0
     window.picture("wall")
     assert len(wall().evaluated_get(bpy.context.evaluated_depsgraph_get()).data.polygons) > 250_000
-    yield from scroll(60)
+    yield from window.scroll(60)
     window.picture("wall below")
     window.call(bpy.ops.heliform.check_print, "EXEC_DEFAULT", True)
     yield 2.0
     window.picture("gate")
     window.call(bpy.ops.heliform.preview_path, "EXEC_DEFAULT", True)
     yield 2.0
-    yield from scroll(60)
+    yield from window.scroll(60)
     window.picture("path")
     assert len(nozzle()) > 10_000
     exported()
-    yield from scroll(-60)
+    yield from window.scroll(-60)
 
     scalloped = places()
     window.call(bpy.ops.heliform.add_relief, "EXEC_DEFAULT", True, style="flat")
@@ -133,12 +111,12 @@ def steps() -> Generator[float]:
     wall().heliform.wall.height = 0.6
     yield 2.0
     window.call(bpy.ops.view3d.view_selected)
-    yield from scroll(60)
+    yield from window.scroll(60)
     window.picture("not printable")
     shown = importlib.import_module(f"{window.package()}.addon.printing").verdict_of(wall())
     assert not shown["passed"]
     wall().heliform.wall.thickness = 0.25
-    yield from scroll(-60)
+    yield from window.scroll(-60)
     window.picture("too thick")
     assert wall().heliform.problem
 

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import time
 import traceback
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from pathlib import Path
 from types import ModuleType
 
@@ -93,6 +93,28 @@ def click(x: int, y: int) -> Generator[float]:
     for value in ("PRESS", "RELEASE"):
         target.event_simulate("LEFTMOUSE", value, x=x, y=y)
         yield 0.5
+
+
+def press(place: tuple[int, int], happened: Callable[[], object]) -> Generator[float]:
+    """Click until it happened; a busy machine loses a click."""
+    for _ in range(6):
+        yield from click(*place)
+        for _ in range(20):
+            if happened():
+                return
+            yield 0.1
+    picture("not pressed")
+    raise AssertionError(f"Nothing came of a click at {place}.")
+
+
+def scroll(steps: int) -> Generator[float]:
+    """Turn the wheel over the sidebar."""
+    here = view()
+    sidebar = next(r for r in here["area"].regions if r.type == "UI")
+    with bpy.context.temp_override(**here | {"region": sidebar}):
+        for _ in range(abs(steps)):
+            (bpy.ops.view2d.scroll_down if steps > 0 else bpy.ops.view2d.scroll_up)()
+    yield 1.0
 
 
 class Gaps:

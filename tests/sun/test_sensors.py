@@ -1,0 +1,109 @@
+"""Where sensors stand, and the area they stand for."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from heliform.engines.core.errors import ParameterError, SceneError
+from heliform.engines.core.scene import Mesh, Plane, Receiver, Surface, plane_receiver
+from heliform.engines.sun.sensors import at_points, joined, of_receiver, on_mesh, on_plane
+from sun.shades import box
+
+
+def test_a_grid_covers_its_plane():
+    pose = np.eye(4)
+    pose[:3, :3] = [[0, 0, 1], [1, 0, 0], [0, 1, 0]]
+    pose[:3, 3] = 1, 2, 3
+    grid = on_plane(pose, 6, 4, 0.5, offset=0.01)
+    assert grid.shape == (8, 12)
+    assert grid.areas.sum() == pytest.approx(24)
+    assert grid.points.mean(axis=0) == pytest.approx([1, 2, 3])
+    assert (grid.normals == pose[:3, 2]).all()
+    assert grid.origins[0] == pytest.approx(grid.points[0] + 0.01 * pose[:3, 2])
+    along = grid.spread(grid.points)
+    assert along[0, 1] - along[0, 0] == pytest.approx(0.5 * pose[:3, 0])
+    assert along[1, 0] - along[0, 0] == pytest.approx(0.5 * pose[:3, 1])
+
+
+@pytest.mark.parametrize("sizes", [(0, 1, 1), (1, 1, 0), (1, -1, 1), (1, 1, np.nan)])
+def test_a_grid_without_cells_is_refused(sizes):
+    with pytest.raises(ParameterError, match="no cells"):
+        on_plane(np.eye(4), *sizes)
+
+
+def test_faces_have_a_sensor_at_their_centroid():
+    mesh = box("Box", (2, 3, 4), (5, 5, 5)).mesh
+    for some in (on_mesh("Box", mesh), on_mesh("Box", mesh.triangles())):
+        assert some.areas.sum() == pytest.approx(52)
+        outward = np.einsum("ni,ni->n", some.normals, some.points - 5)
+        assert sorted(np.unique(outward.round(9))) == [1, 1.5, 2]
+    trapezium = np.array([[0, 0, 0], [4, 0, 0], [2, 2, 0], [0, 2, 0.0]])
+    one = on_mesh("Face", Mesh(trapezium, np.array([[0, 1, 2, 3]], np.int32)))
+    assert one.points[0] == pytest.approx([28 / 18, 8 / 9, 0])
+    assert one.areas == pytest.approx(6)
+
+
+def test_vertices_share_the_area():
+    mesh = box("Box", (1, 1, 1), (0, 0, 0)).mesh
+    some = on_mesh("Box", mesh, per="vertex")
+    assert some.areas.sum() == pytest.approx(6)
+    assert (np.sign(some.normals) == np.sign(some.points)).all()
+    assert np.linalg.norm(some.normals, axis=1) == pytest.approx(1)
+
+
+def test_faces_without_area_are_left_out_and_said():
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0]], float)
+    mesh = Mesh(vertices, np.array([[0, 1, 3], [0, 1, 2], [2, 2, 1]], np.int32))
+    some = on_mesh("Roof", mesh)
+    assert some.home.tolist() == [1]
+    assert some.notes == ("“Roof”: 2 faces have no area and no sensor.",)
+    assert np.isnan(some.spread(np.array([5.0]))).tolist() == [True, False, True]
+    assert on_mesh("Roof", mesh, per="vertex").home.tolist() == [0, 1, 2]
+    with pytest.raises(SceneError, match="“Flat” has no face with an area"):
+        on_mesh("Flat", Mesh(vertices, np.array([[0, 1, 3]], np.int32)))
+
+
+def test_a_mesh_that_is_nowhere_is_refused():
+    mesh = Mesh(np.array([[0, 0, 0], [1, 0, 0], [0, np.inf, 0]]), np.array([[0, 1, 2]], np.int32))
+    with pytest.raises(SceneError, match="“Roof” has vertices that are not finite"):
+        on_mesh("Roof", mesh)
+
+
+def test_points_without_a_direction_are_refused():
+    with pytest.raises(SceneError, match=r"Sensor 1 \(1 in all\)"):
+        at_points(np.zeros((2, 3)), [[0, 0, 2], [0, 0, 0]])
+    assert at_points([[0, 0, 0]], [[0, 0, 2]]).normals.tolist() == [[0, 0, 1]]
+
+
+def test_a_receiver_has_a_sensor_a_texel():
+    plane = Plane(width=2, length=1, resolution=8, sides="both")
+    some = of_receiver(plane_receiver("Floor", plane, np.eye(4)))
+    assert some.shape == (2, 4, 8)
+    sides = some.spread(some.normals)
+    assert (sides[0] == [0, 0, 1]).all()
+    assert (sides[1] == [0, 0, -1]).all()
+    assert some.areas.sum() == pytest.approx(4)
+
+
+def test_a_mesh_has_a_sensor_where_its_map_shows_something():
+    inside = np.array([[True, False, True], [False, True, True]])
+    place = np.arange(18.0).reshape(2, 3, 3)
+    texels = SimpleNamespace(
+        area=np.ones((2, 3)), place=place, normal=np.ones((2, 3, 3)), inside=inside
+    )
+    mesh = box("Box", (1, 1, 1), (0, 0, 0)).mesh.triangles()
+    surface = Surface("Box", mesh, np.zeros((12, 3, 2)), 3, 2)
+    some = of_receiver(surface, texels)
+    assert some.spread(some.points)[inside].tolist() == place[inside].tolist()
+    assert np.isnan(some.spread(some.areas)[~inside]).all()
+    with pytest.raises(SceneError, match="“Box” is a mesh"):
+        of_receiver(surface)
+
+
+def test_sensors_are_joined_in_order():
+    receiver = Receiver("A", np.zeros(3), np.eye(3)[0], np.eye(3)[1], 2, 2)
+    both = joined(of_receiver(receiver), at_points([[9, 9, 9]], [[1, 0, 0]], offset=0.5))
+    assert len(both) == 5
+    assert both.offset == 0.5
+    assert both.points[-1].tolist() == [9, 9, 9]
+    assert both.some(slice(4, None)).normals.tolist() == [[1, 0, 0]]
