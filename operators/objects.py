@@ -18,11 +18,11 @@ from ..addon.properties import (
     with_properties,
     write_unset,
 )
+from ..engines.core.atlas import require_chart
 from ..engines.core.errors import SceneError
 from ..engines.core.parameters import fields_of
 from ..engines.core.scene import Lamp, Material, Plane, Surface
 from ..engines.glass import TABLE_1
-from ..engines.light.atlas import require_chart
 from . import ObjectMode, Reporting
 
 _FLUX = 500.0

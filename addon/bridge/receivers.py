@@ -12,10 +12,10 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...engines.core.atlas import at_vertices, texels
 from ...engines.core.errors import SceneError
 from ...engines.core.scene import Mesh, Plane, Surface
-from ...engines.light.atlas import at_vertices, texels
-from ...engines.light.unwrap import unwrap
+from ...engines.core.unwrap import unwrap
 from ..properties import read, scale_of
 from . import results
 from .meshes import corners_of, mesh_of, places_of

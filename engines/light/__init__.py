@@ -1,11 +1,11 @@
 """Light: luminaires, photon tracing, irradiance maps."""
 
 from ..core.analysis import Analysis
+from ..core.unwrap import unwrap
 from .drawing import draw
 from .ies import files_beside
 from .irradiance import SUMS, Irradiance, IrradianceMap
 from .tracing import PhotonTracing, trace
-from .unwrap import unwrap
 
 TRACE_PHOTONS = Analysis(
     *("light.trace", PhotonTracing, trace, Irradiance, draw),

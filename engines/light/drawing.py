@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.atlas import padded
 from ..core.colour import Display, scale_for
 from ..core.picture import colour_png, false_colour_png
-from .atlas import padded
 from .irradiance import COLOURS, Irradiance, IrradianceMap
 from .section import section
 

@@ -6,11 +6,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core import atlas
+from ..core.atlas import Texels
+from ..core.clipping import Indices, pieces
 from ..core.errors import SceneError
 from ..core.scene import Receiver, Scene, Surface
-from . import atlas
-from .atlas import Texels
-from .clipping import Indices, pieces
 from .targets import Side, sides_of
 
 Sums = NDArray[np.float64]

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from ..core.clipping import coverage
 from ..core.errors import SceneError
 from ..core.scene import Body, Luminaire, Mesh, Vector
 from ..core.solid import encloses
 from . import spectrum
-from .clipping import coverage
 from .targets import MM
 
 MOST = 31

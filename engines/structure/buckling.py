@@ -1,15 +1,18 @@
 """Linear buckling: by how much a combination of loads could grow before the frame gives way."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.errors import ParameterError
 from ..core.scene import Vector
-from .assembly import pattern_of
+from .assembly import Pattern, pattern_of
 from .beam_shapes import local_geometric
+from .factor import factor_of
 from .frame import Frame, Rigidities
 from .linear import factorise
 from .modes import Modes, greatest_eigenpairs, scaled
 from .response import Response
+from .stiffness import members_of
 from .subdivision import along_members, repeated, subdivided
 
 PIECES = 4
@@ -67,6 +70,26 @@ def buckling_modes(
     moved = pattern.spread(vectors[:, buckles])
     shapes = scaled(moved[:, : len(frame.nodes)], along_members(frame, moved, pieces))
     return Modes(1 / inverse[buckles], *shapes)
+
+
+def buckles_below(
+    frame: Frame, rigidities: Rigidities, response: Response, times: float, pattern: Pattern
+) -> NDArray[np.bool_]:
+    """Whether the frame buckles below ``times`` the loads of each of K combinations (K,).
+
+    ``pattern`` is that of the frame. Where K + times · K_g is not positive definite, a factor of
+    `buckling_modes` is less [Sylvester's law of inertia]; that takes no more than a factorisation
+    for each. Members are not divided: what bends as a whole is found, not a member between nodes.
+    """
+    members = members_of(frame, rigidities)
+    turn = members.transforms()
+    axial = response.forces(np.array([0.0, 1.0]))[..., 0]
+    found = np.zeros(len(axial), dtype=bool)
+    for number, force in enumerate(axial):
+        geometric = local_geometric(times * force, rigidities, members.coefficients.lengths)
+        world = members.world + turn.transpose(0, 2, 1) @ geometric @ turn
+        found[number] = factor_of(pattern, world, frame.springs) is None
+    return found
 
 
 def _none(frame: Frame, pieces: int) -> Modes:

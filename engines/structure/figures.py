@@ -1,5 +1,6 @@
 """The numbers of a sized structure, and what a reader of it should know."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,11 +12,24 @@ if TYPE_CHECKING:
 
 _GIGA = 1e9
 _OUTSIDE = 1e6  # utilisation of what no code covers, infinite to the check
-_STIFF = 10.0  # times the loads at which the whole buckles, from which on first order will do
+FIRM = 10.0
+"""Times the loads at which the whole buckles, from which on first-order theory will do: EN 1993-1-1
+5.2.1(3)."""
 _NAMED = 8  # members at most that a note names
 
 
-def figures_of(result: "Sized", chosen: "Chosen") -> dict[str, dict[str, Any]]:
+@dataclass(frozen=True, slots=True)
+class Stability:
+    """Whether the whole keeps its place: the names of the combinations that buckle it, and
+    whether it is ``firm``, so that none does at `FIRM` times its loads."""
+
+    away: tuple[str, ...]
+    firm: bool
+
+
+def figures_of(
+    result: "Sized", chosen: "Chosen", stability: Stability
+) -> dict[str, dict[str, Any]]:
     """Name → value and unit: mass, energy and carbon, use, displacement, convergence."""
     rows = result.rows
     steel = rows["material"] == "steel"
@@ -36,6 +50,7 @@ def figures_of(result: "Sized", chosen: "Chosen") -> dict[str, dict[str, Any]]:
         "max_utilisation": (used.max(), ""),
         "mean_utilisation": (used.mean(), ""),
         "failing": (rows["failing"].sum(), ""),
+        "buckling_combinations": (len(stability.away), ""),
         "max_displacement": (moved.max(), "m"),
         "rounds": (len(chosen.changes), ""),
         "converged": (chosen.converged, ""),
@@ -55,7 +70,7 @@ def figures_of(result: "Sized", chosen: "Chosen") -> dict[str, dict[str, Any]]:
     return {name: {"value": float(value), "unit": unit} for name, (value, unit) in numbers.items()}
 
 
-def notes_on(result: "Sized", chosen: "Chosen", rules: "Rules") -> list[str]:
+def notes_on(result: "Sized", chosen: "Chosen", rules: "Rules", stability: Stability) -> list[str]:
     """What a reader should know, a sentence each: what fails, what moves, whether it converged."""
     notes = []
     rows, members = result.rows, result.model.frame.members
@@ -95,7 +110,7 @@ def notes_on(result: "Sized", chosen: "Chosen", rules: "Rules") -> list[str]:
                 f"{name}: {used[m]:.3g} times what is allowed at member {m} (nodes "
                 f"{members[m, 0]} and {members[m, 1]}){given_up}."
             )
-    notes += _on_buckling(result, rules)
+    notes += _on_buckling(result, stability)
     if slender := int((result.checked.section_class == 4).sum()):
         notes.append(
             f"{slender} members have sections of class 4, whose walls buckle (EN 1993-1-5)."
@@ -103,19 +118,20 @@ def notes_on(result: "Sized", chosen: "Chosen", rules: "Rules") -> list[str]:
     return notes + list(result.meta["combination_notes"])
 
 
-def _on_buckling(result: "Sized", rules: "Rules") -> list[str]:
-    """What the least buckling factor asks for, by EN 1993-1-1 5.2.1(3)."""
-    if not len(result.buckling) or result.buckling[0] >= _STIFF:
-        return []
-    factor = result.buckling[0]
-    if factor <= 1:
+def _on_buckling(result: "Sized", stability: Stability) -> list[str]:
+    """What the buckling of the whole asks for."""
+    exactly = f" (the least factor is {result.buckling[0]:.3g})" if len(result.buckling) else ""
+    if stability.away:
+        others = len(stability.away) - 1
+        more = f" and {others} other combinations" if others else ""
         return [
-            f"The whole buckles at {factor:.3g} of its loads, whatever the checks of its members "
-            "say; raise its surface or take higher sections."
+            f"The whole buckles before all of “{stability.away[0]}”{more} acts{exactly}, although "
+            "its members, checked for buckling between their nodes, may suffice; raise its "
+            "surface, widen its supports, or tick second_order or give buckling_y to size for it."
         ]
-    if rules.second_order:
-        return []
-    return [
-        f"The whole would buckle at {factor:.3g} times its loads, and below {_STIFF:g} first-order "
-        "forces are too small (EN 1993-1-1 5.2.1); tick second_order."
-    ]
+    if not stability.firm:
+        return [
+            f"The whole would buckle at less than {FIRM:g} times its loads{exactly}, so that "
+            "first-order forces are too small (EN 1993-1-1 5.2.1); tick second_order."
+        ]
+    return []

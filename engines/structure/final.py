@@ -7,12 +7,12 @@ import numpy as np
 
 from ..core.scene import Vector
 from .assembly import Pattern
-from .buckling import buckling_factors
+from .buckling import buckles_below, buckling_factors
 from .candidates import Index
 from .catalogue import weights_of
 from .checking import Checked
 from .combinations import Combinations
-from .figures import figures_of, notes_on
+from .figures import FIRM, Stability, figures_of, notes_on
 from .frame import Rigidities
 from .linear import solve_frame
 from .member_checks import check_members
@@ -58,6 +58,7 @@ def final_of(
     served = _renumbered(service_of(task, chosen.sections, first, pattern), service)
     rows = _rows(model, task, chosen, checked, sections)
     frequencies, buckling = _modes(task, rigidities, first, combinations.factors[ultimate])
+    stability = _stability(task, rigidities, first, ultimate, pattern)
     meta = meta | {
         "group_names": list(model.group_names),
         "model_notes": list(model.notes),
@@ -80,8 +81,8 @@ def final_of(
         buckling,
         meta,
     )
-    meta["figures"] = figures_of(result, chosen)
-    meta["notes"] = [*model.notes, *notes_on(result, chosen, rules), *meta["notes"]]
+    meta["figures"] = figures_of(result, chosen, stability)
+    meta["notes"] = [*model.notes, *notes_on(result, chosen, rules, stability), *meta["notes"]]
     return result
 
 
@@ -140,6 +141,20 @@ def _modes(
         for row in factors
     ]
     return frequencies, np.sort(np.concatenate(found))[:count]
+
+
+def _stability(
+    task: Task, rigidities: Rigidities, first: Response, ultimate: Index, pattern: Pattern
+) -> Stability:
+    """Which ultimate combinations buckle the whole; by second-order theory all that stand do."""
+    if task.rules.second_order:
+        return Stability((), True)
+    response = first.combined(task.combinations.factors[ultimate])
+    away = ultimate[buckles_below(task.frame, rigidities, response, 1.0, pattern)]
+    firm = (
+        not len(away) and not buckles_below(task.frame, rigidities, response, FIRM, pattern).any()
+    )
+    return Stability(tuple(task.combinations.names[k] for k in away), firm)
 
 
 def _printed(combinations: Combinations) -> list[dict[str, str]]:

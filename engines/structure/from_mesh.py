@@ -80,7 +80,7 @@ def _check_size(mesh: Repaired) -> None:
     first, last = mesh.members[member]
     unit, factor = ("millimetres", 0.001) if middle > _MOST else ("kilometres or to scale", 1000)
     raise SceneError(
-        f"Half of the members are {'longer' if middle > _MOST else 'shorter'} than {middle:.3g} m, "
+        f"Half of the members are {'longer' if middle > _MOST else 'shorter'} than {middle:.4g} m, "
         f"as member {member} (nodes {first} and {last}) is: the mesh seems to be drawn in {unit}; "
         f"scale it, by {factor:g} for one, and apply the scale."
     )

@@ -11,7 +11,7 @@ from ..core.scene import Vector
 Bits = NDArray[np.uint8]
 FULL = 65535
 """What stands for a transmittance of 1."""
-_BLOCK = 1 << 22  # values at a time: what stays in a processor's cache
+_BLOCK = 1 << 19  # values at a time: what stays in a processor's cache
 _FEW = 16  # columns of weights
 
 
@@ -72,7 +72,8 @@ def _multiplied(
     factors = np.ascontiguousarray(weights, dtype=np.float32)
     normals, towards = (np.asarray(a, np.float32) for a in facing or (np.zeros(0), np.zeros(0)))
     out = np.zeros((count, factors.shape[1]), np.float32)
-    block = np.empty((max(1, _BLOCK // max(columns, 1)), columns), np.float32)
+    size = _BLOCK if factors.shape[1] <= _FEW else 8 * _BLOCK  # BLAS's threads want more
+    block = np.empty((max(1, size // max(columns, 1)), columns), np.float32)
     for start in range(0, count, len(block)):
         rows = slice(start, min(start + len(block), count))
         here = block[: rows.stop - start]

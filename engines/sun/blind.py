@@ -49,6 +49,5 @@ def blind(occluders: Occluders, fan: Rays, seen: bits.Bits) -> Blind:
     """
     dark = fan.some(np.flatnonzero(~seen.any(axis=1)))
     front = facing(dark).any(axis=1)
-    names = inside(occluders, dark.origins[front], dark.normals[front])
-    away = int(np.count_nonzero(~front))
-    return Blind(len(fan.origins), away, Counter(names[names != ""].tolist()))
+    within = inside(occluders, dark.origins[front], dark.normals[front])
+    return Blind(len(fan.origins), int(np.count_nonzero(~front)), within)

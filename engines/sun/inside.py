@@ -1,5 +1,7 @@
 """Sensors that lie inside a solid, where they see nothing."""
 
+from collections import Counter
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,25 +15,25 @@ _LEAN = 0.6  # how far the two further rays lean from the normal: 37°
 
 def inside(
     occluders: Occluders, origins: NDArray[np.float32], normals: NDArray[np.float32]
-) -> NDArray[np.str_]:
-    """The name of the solid that each sensor is inside of, "" where it is in none (N,).
+) -> Counter[str]:
+    """How many of the sensors are inside of which solid, by its name.
 
-    ``origins``, ``normals`` (N, 3) are as in `rays.Rays`.
-
-    Three rays a sensor, within 37° of its normal, meet a solid from behind, all three of them.
-    Only closed bodies that block light are solids here; one that is inside out is one as well.
+    ``origins``, ``normals`` (N, 3) are as in `rays.Rays`. Three rays a sensor, within 37° of its
+    normal, meet a solid from behind, all three of them. Only closed bodies that block light are
+    solids here; one that is inside out is one as well.
     """
-    names = np.full(len(origins), "", dtype="<U256")
+    found: Counter[str] = Counter()
     for soup in (occluders.still, occluders.moving):
         if soup.scene is None:
             continue
-        for start in range(0, len(names), BATCH):
+        for start in range(0, len(origins), BATCH):
             rows = slice(start, start + BATCH)
             owner = _owner(soup, origins[rows], normals[rows])
-            for body in np.unique(owner[owner >= 0]):
-                if soup.closed(int(body)):
-                    names[rows][owner == body] = soup.bodies[body].name
-    return names
+            bodies, counts = np.unique(owner[owner >= 0], return_counts=True)
+            for body, count in zip(bodies.tolist(), counts.tolist(), strict=True):
+                if soup.closed(body):
+                    found[soup.bodies[body].name] += count
+    return found
 
 
 def _owner(

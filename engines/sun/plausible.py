@@ -107,9 +107,10 @@ def _over(
     notes = []
     if over.any():
         worst = int(np.nanargmax(excess))
+        most = f"{given[worst]:.0f} of {(above * sine)[worst]:.0f} W/m²"
         notes.append(
             f"Global radiation: {counted(np.count_nonzero(over), 'record')} above what reaches the "
-            f"air, most on line {lines[worst]} ({given[worst]:.0f} of {(above * sine)[worst]:.0f} W/m²)."
+            f"air, most on line {lines[worst]} ({most})."
         )
     beyond = weather.direct_normal > above
     if beyond.any():

@@ -125,11 +125,9 @@ def _clear_nights(kinds: dict[str, Vector], highest: Vector, said: list[str]) ->
     """Set what is missing at night, or a sensor's little below zero, to zero."""
     for kind, values in kinds.items():
         values[values < _SENSOR] = np.nan
-        below = values < -1.0
-        if below.any():
-            said.append(
-                f"{kind} radiation: {counted(np.count_nonzero(below), 'value')} below zero set to zero."
-            )
+        below = counted(np.count_nonzero(values < -1.0), "value")
+        if np.any(values < -1.0):
+            said.append(f"{kind} radiation: {below} below zero set to zero.")
         values[values < 0.0] = 0.0
         values[np.isnan(values) & (highest <= 0.0)] = 0.0
 

@@ -142,7 +142,7 @@ def site_from(texts: Sequence[str], name: str, line: int) -> Site:
         raise FileError(f"Line {line} does not give a place on earth: {error}") from error
 
 
-def counted(count: int, what: str) -> str:
+def counted(count: int | np.integer, what: str) -> str:
     """“1 value”, “3 values”."""
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
 

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from heliform.addon.bridge import results, stage
 from heliform.addon.bridge.receivers import LAYER, unwrap_receivers
+from heliform.engines.core import atlas
 from heliform.engines.core.colour import Display
 from heliform.engines.core.errors import SceneError
 from heliform.engines.core.scene import Receiver, Surface
-from heliform.engines.light import atlas
 from heliform.engines.light.irradiance import MAPS, Irradiance, IrradianceMap
 from mathutils import Matrix
 

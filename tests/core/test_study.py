@@ -23,9 +23,9 @@ from heliform.engines.core.scene import (
     plane_receiver,
 )
 from heliform.engines.core.study import load_study
+from heliform.engines.core.unwrap import unwrap
 from heliform.engines.light import TRACE_PHOTONS, Irradiance, PhotonTracing, atlas
 from heliform.engines.light.luminaires import source
-from heliform.engines.light.unwrap import unwrap
 from heliform.engines.scan import READ_SCAN, ScanReading
 from light import scenes
 

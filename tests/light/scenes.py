@@ -14,8 +14,8 @@ from heliform.engines.core.scene import (
     Surface,
     plane_receiver,
 )
+from heliform.engines.core.unwrap import unwrap
 from heliform.engines.light import IrradianceMap, PhotonTracing, trace
-from heliform.engines.light.unwrap import unwrap
 
 GLASS = Material(kind="dielectric", ior=1.5)
 

@@ -142,7 +142,7 @@ def test_outside_of_a_sphere_beside_a_point(direct):
     lamp = scenes.point(POINT, x=distance)
     tracing = PhotonTracing(until="landed", landed=1_000_000, direct=direct)
     result = scenes.traced(Scene((), (lamp,), (receiver,)), tracing, seed=1)
-    from heliform.engines.light import atlas
+    from heliform.engines.core import atlas
 
     chart = atlas.texels(receiver)
     normal = chart.place / np.maximum(np.linalg.norm(chart.place, axis=-1, keepdims=True), 1e-9)
@@ -178,7 +178,7 @@ def test_a_cylinder_about_the_axis_of_a_point(side):
     if side == "outer":
         assert result.illuminance.max() == 0.0
         return
-    from heliform.engines.light import atlas
+    from heliform.engines.core import atlas
 
     z = atlas.texels(receiver).place[..., 2]
     truth = CANDELA * radius / (radius**2 + z**2) ** 1.5
@@ -270,7 +270,7 @@ def test_the_walls_of_a_box_are_lit_into_their_corners(resolution):
     side = 1.0
     receiver = scenes.surface(scenes.inward(scenes.box(side, side, side)), resolution)
     result = scenes.traced(Scene((), (scenes.point(POINT),), (receiver,)), QUICK, seed=1)
-    from heliform.engines.light import atlas
+    from heliform.engines.core import atlas
 
     place = atlas.texels(receiver).place
     truth = CANDELA * (side / 2) / np.maximum(np.linalg.norm(place, axis=-1), 1e-9) ** 3

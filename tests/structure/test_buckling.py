@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from heliform.engines.core.errors import ParameterError, SceneError
 from heliform.engines.structure import modes as modes_module
-from heliform.engines.structure.buckling import buckling_factors, buckling_modes
+from heliform.engines.structure.assembly import pattern_of
+from heliform.engines.structure.buckling import buckles_below, buckling_factors, buckling_modes
 from heliform.engines.structure.frame import Frame
 from heliform.engines.structure.linear import solve_frame
 from heliform.engines.structure.second_order import solve_second_order
@@ -30,6 +31,20 @@ def column(ends, count=1, **how):
     frame = line_of(count, *ENDS[ends][:2])
     stiff = rigid(count, **how)
     return frame, stiff, solve_frame(frame, stiff, loads_of(frame, {count: (0, 0, -1, 0, 0, 0)}))
+
+
+@pytest.mark.parametrize("ends", ENDS)
+def test_a_column_buckles_above_its_least_factor_and_not_below(ends):
+    frame, stiff, response = column(ends, 4)
+    factor = buckling_factors(frame, stiff, response, 1, pieces=1)[0][0]
+    twice = response.combined(np.array([[0.5], [1.0], [2.0], [-1.0]]))
+
+    def below(times):
+        return buckles_below(frame, stiff, twice, times, pattern_of(frame)).tolist()
+
+    assert below(0.999 * factor) == [False, False, True, False]
+    assert below(1.001 * factor) == [False, True, True, False]
+    assert below(2.001 * factor) == [True, True, True, False]  # what pulls never buckles
 
 
 @pytest.mark.parametrize("ends", ENDS)

@@ -119,7 +119,7 @@ def test_a_level_mesh_is_held_everywhere_and_says_so():
         ({"network": Network(supports="given", chosen="8")}, "Node 8 is to be held"),
         ({"network": Network(supports="given", chosen="1 -2")}, "“-2” is no index of a vertex"),
         ({"nodes": 1000 * TENT}, "longer .* member . .nodes . and .. .* in millimetres; scale it"),
-        ({"nodes": 0.001 * TENT}, "shorter than 0.0032 m.* member . .nodes . and .. .* scale it"),
+        ({"nodes": 0.001 * TENT}, "shorter than 0.0032.. m.* member . .nodes . and .. .* scale it"),
         (
             {"network": Network(supports="boundary"), "faces": [*FACES, [3, 2, 1, 0]]},
             "closed and has no edge",

@@ -196,6 +196,13 @@ def test_sums_without_keeping_are_the_same(monkeypatch):
     assert notes == kept.notes
 
 
+def test_what_is_told_counts_all_sensors_that_are_summed_in_parts(monkeypatch):
+    monkeypatch.setattr(visibility, "_STREAMED", 2 * len(SKY))
+    block = Occluders([box("Block", (3, 3, 1), (0, 0, 0))])
+    notes = weighted(block, on_plane(np.eye(4), 4, 4, 0.5), SKY, np.ones(len(SKY)))[1]
+    assert [n.split(" and see")[0] for n in notes] == ["36 of 64 sensors lie inside “Block”"]
+
+
 def test_what_would_not_fit_is_refused(monkeypatch):
     monkeypatch.setattr(visibility, "MOST_BYTES", 1000)
     with pytest.raises(SceneError, match="sum without keeping"):

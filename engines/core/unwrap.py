@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage, sparse
 
-from ..core.errors import SceneError
-from ..core.scene import Mesh, Vector
 from .clipping import Indices, coverage, pieces
+from .errors import SceneError
+from .scene import Mesh, Vector
 
 _SMOOTHING = 4  # rounds over which noise in the normals does not make charts of its own
 _STEEPEST = 0.35  # cosine between a face and the plane its chart is laid on

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene import Vector
+from .scene import Vector
 
 Indices = NDArray[np.integer[Any]]
 

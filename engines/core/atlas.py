@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from scipy import ndimage, sparse
 from scipy.spatial import KDTree
 
-from ..core.errors import SceneError
-from ..core.scene import Mesh, Surface, Vector
 from .clipping import Indices, Pieces, coverage, pieces
+from .errors import SceneError
+from .scene import Mesh, Surface, Vector
 
 _SLIVER = 0.05  # of a texel: what covers less gives its light to a neighbour
 _DUST = 1e-3  # of a texel: what covers less, and has no such neighbour, is not shown

@@ -2,16 +2,16 @@
 
 import numpy as np
 import pytest
-from heliform.engines.core.errors import SceneError
-from heliform.engines.core.scene import Mesh, Surface
-from heliform.engines.light.atlas import (
+from heliform.engines.core.atlas import (
     at_vertices,
     overlapping,
     padded,
     require_chart,
     texels,
 )
-from heliform.engines.light.unwrap import unwrap
+from heliform.engines.core.errors import SceneError
+from heliform.engines.core.scene import Mesh, Surface
+from heliform.engines.core.unwrap import unwrap
 
 SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
 
