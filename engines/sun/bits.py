@@ -25,11 +25,6 @@ def unpacked(bits: Bits, columns: int) -> NDArray[np.bool_]:
     return np.unpackbits(bits, axis=-1, count=columns, bitorder="little").view(np.bool_)
 
 
-def count(bits: Bits) -> int:
-    """How many are set."""
-    return int(np.bitwise_count(bits).sum(dtype=np.int64))
-
-
 def sums(
     bits: Bits,
     weights: Vector,

@@ -21,6 +21,9 @@ from .soup import CLOSE, Soup
 
 MOST = 32
 """Surfaces of glass that a ray may cross; behind more it is dark."""
+TINY = 1e-12
+"""The least cosine² in the glass; it is met only where glass refracts as air does."""
+_RECORD = 6
 
 
 def transmittances(
@@ -78,47 +81,63 @@ def _crossed(soup: Soup, records: Any, fired: Fired) -> Any:
 
     step = dr.opaque(mi.Float, CLOSE * soup.reach)
     direction = fired.ray.d
+    lanes = dr.width(fired.active)
 
-    def look(
-        active: Any, origin: Any, within: Any, s: Any, p: Any, crossings: Any
+    def under_way(active: Any, origin: Any, behind: Any, s: Any, p: Any, crossed: Any) -> Any:
+        return active & (crossed < MOST)
+
+    def cross(
+        active: Any, origin: Any, behind: Any, s: Any, p: Any, crossed: Any
     ) -> tuple[Any, ...]:
         hit = soup.scene.ray_intersect_preliminary(mi.Ray3f(origin, direction), active=active)
         met = active & hit.is_valid()
-        normal, ior, absorption, sheet = _looked_up(records, hit.prim_index, met)
-        along = dr.dot(direction, normal)
-        cosine = dr.minimum(dr.abs(along), 1)
-        refracted = dr.sqrt(1 - (1 - dr.square(cosine)) / dr.square(ior))
-        # Of two parallel surfaces the one where the ray leaves counts for both.
-        pane, leaving = sheet > 0.5, along > 0
-        through = (within + hit.t) * cosine / refracted
-        depth = dr.select(pane, 0, absorption * through)
-        counts = met & (pane | leaving)
-        r_s = dr.square((cosine - ior * refracted) / (cosine + ior * refracted))
-        r_p = dr.square((refracted - ior * cosine) / (refracted + ior * cosine))
-        s = dr.select(counts, s * _slab(r_s, depth), s)
-        p = dr.select(counts, p * _slab(r_p, depth), p)
-        forward = hit.t + step
-        origin = dr.select(met, dr.fma(direction, forward, origin), origin)
-        return met, origin, dr.select(met, step, within), s, p, crossings + dr.select(met, 1, 0)
+        kept_s, kept_p = _kept(records, direction, hit, behind, met)
+        onward = dr.fma(direction, hit.t + step, origin)
+        return (
+            met,
+            dr.select(met, onward, origin),
+            dr.select(met, step, behind),
+            s * kept_s,
+            p * kept_p,
+            crossed + dr.select(met, mi.UInt32(1), 0),
+        )
 
-    def under_way(active: Any, *state: Any) -> Any:
-        return active & (state[-1] < MOST)
-
-    one = dr.ones(mi.Float, dr.width(fired.active))
-    state = (fired.active, mi.Point3f(fired.ray.o), dr.zeros(mi.Float), one, mi.Float(one), 0)
-    state = (*state[:-1], dr.zeros(mi.UInt32, dr.width(one)))
-    lost, _, _, s, p, _ = dr.while_loop(state, under_way, look)
+    state = (
+        fired.active,
+        fired.ray.o,
+        dr.zeros(mi.Float, lanes),
+        dr.ones(mi.Float, lanes),
+        dr.ones(mi.Float, lanes),
+        dr.zeros(mi.UInt32, lanes),
+    )
+    lost, _, _, s, p, _ = dr.while_loop(state, under_way, cross)
     return dr.select(fired.active & ~lost, (s + p) / 2, 0)
 
 
-def _looked_up(records: Any, triangle: Any, met: Any) -> tuple[Any, Any, Any, Any]:
+def _kept(records: Any, direction: Any, hit: Any, behind: Any, met: Any) -> tuple[Any, Any]:
+    """What s- and p-polarised light keep where rays meet glass, ``behind`` m past the last time.
+
+    A solid's two surfaces count where the ray leaves, both at the angle there.
+    """
     mi = runtime.mitsuba()
     import drjit as dr
 
-    first = triangle * 6
-    values = [dr.gather(mi.Float, records, first + i, met) for i in range(6)]
-    ior = dr.select(met, values[3], 1.5)
-    return mi.Vector3f(*values[:3]), ior, values[4], values[5]
+    first = hit.prim_index * _RECORD
+    x, y, z, ior, absorption, sheet = (
+        dr.gather(mi.Float, records, first + i, met) for i in range(_RECORD)
+    )
+    along = dr.dot(direction, mi.Vector3f(x, y, z))
+    cosine = dr.minimum(dr.abs(along), 1)
+    refracted = dr.sqrt(dr.maximum(1 - (1 - dr.square(cosine)) / dr.square(ior), TINY))
+    way = (behind + hit.t) * cosine / refracted
+    depth = dr.select(sheet > 0, 0, absorption * way)
+    counts = met & ((sheet > 0) | (along > 0))
+    r_s = dr.square((cosine - ior * refracted) / (cosine + ior * refracted))
+    r_p = dr.square((refracted - ior * cosine) / (refracted + ior * cosine))
+    return (
+        dr.select(counts, _slab(r_s, depth), 1),
+        dr.select(counts, _slab(r_p, depth), 1),
+    )
 
 
 def _slab(reflectance: Any, depth: Any) -> Any:

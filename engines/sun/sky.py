@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from scipy.sparse import csr_array
+
 from ..core.scene import Vector
 
 
@@ -23,12 +25,12 @@ class Suns:
     """S directions that the sun's light is taken to come from.
 
     ``directions`` (S, 3) float64 unit vectors towards the sun, X east, Y north, Z up; ``weights``
-    (S, T) or None: what share of interval t's direct light comes from each; ``accuracy`` in rad:
+    (S, T) sparse, or None: what share of interval t's direct light comes from each; ``accuracy`` in rad:
     the farthest that a true sun is from the one that stands for it, 0 where they are the same.
     """
 
     directions: Vector
-    weights: Vector | None
+    weights: csr_array | None
     accuracy: float
 
 

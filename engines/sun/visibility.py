@@ -42,9 +42,15 @@ class Visibility:
         """Σ over the directions of visibility × weight, × the cosine at the sensor if ``cosine``.
 
         ``weights`` (D,) gives (N,), (D, K) gives (N, K), float64 to single precision. With radiance
-        × solid angle for weights this is irradiance; with hours and no cosine, sun hours.
+        × solid angle for weights this is irradiance; with hours and no cosine, sun hours. Raises
+        SceneError where there are not D weights.
         """
         weights = np.asarray(weights, dtype=np.float64)
+        if len(weights) != len(self.directions):
+            raise SceneError(
+                f"There are {len(weights)} weights for {len(self.directions)} directions; give as "
+                "many."
+            )
         facing = (self.normals, self.directions) if cosine else None
         total = bits.sums(self.seen, weights.reshape(len(weights), -1), self.through, facing)
         return total[:, 0] if weights.ndim == 1 else total

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from heliform.engines.core import atlas
 from heliform.engines.core.errors import FileError, HeliformError
 from heliform.engines.core.export import save_study
 from heliform.engines.core.meshes import load_mesh
@@ -24,7 +25,7 @@ from heliform.engines.core.scene import (
 )
 from heliform.engines.core.study import load_study
 from heliform.engines.core.unwrap import unwrap
-from heliform.engines.light import TRACE_PHOTONS, Irradiance, PhotonTracing, atlas
+from heliform.engines.light import TRACE_PHOTONS, Irradiance, PhotonTracing
 from heliform.engines.light.luminaires import source
 from heliform.engines.scan import READ_SCAN, ScanReading
 from light import scenes

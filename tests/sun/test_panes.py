@@ -86,6 +86,15 @@ def test_opaque_bodies_block_before_and_behind_the_pane():
         assert not through([pane, level("Roof", 20, 20, z)], ANGLES[:4]).any()
 
 
+def test_glass_that_refracts_as_air_does_only_absorbs():
+    pane = box("Pane", (200, 200, 0.01), (0, 0, 1), Material(kind="dielectric", ior=1.0))
+    assert through([pane], ANGLES) == pytest.approx(1, abs=3e-5)
+    dark = Material(kind="dielectric", ior=1.0, absorption=40.0)
+    pane = box("Pane", (200, 200, 0.01), (0, 0, 1), dark)
+    truth = np.exp(-0.4 / np.cos(np.radians(ANGLES)))
+    assert through([pane], ANGLES) == pytest.approx(truth, abs=1e-4)
+
+
 def test_ground_glass_blocks():
     ground = Material(kind="dielectric", roughness=0.1)
     assert not through([box("Pane", (20, 20, 0.01), (0, 0, 1), ground)], ANGLES[:4]).any()
