@@ -1,12 +1,14 @@
 """Space frames: gridshells and façades, analysed, checked and sized member by member."""
 
-from ..core.analysis import Analysis
+from ..core.analysis import Analysis, Form
 from . import drawing, ranges
+from .drawn import structure_mesh
 from .facade import Facade
 from .level_set import Nine
 from .live import Live
 from .loading import Loading
 from .model import Model
+from .presets import PRESETS
 from .ranges import Ranges, RangeSweep, sweep_ranges
 from .roof import Roof
 from .rules import Rules
@@ -15,6 +17,7 @@ from .sized import Sized
 from .structure import Structure, design, model_of, size_structure
 from .surface import Net
 
+FORMS = (Form("structure.sized", Structure, structure_mesh, PRESETS),)
 SIZE_STRUCTURE = Analysis(
     "structure.size", Structure, size_structure, shows=Sized, draw=drawing.draw
 )
@@ -25,6 +28,8 @@ ANALYSES = (SIZE_STRUCTURE, SWEEP_RANGES)
 
 __all__ = [
     "ANALYSES",
+    "FORMS",
+    "PRESETS",
     "SIZE_STRUCTURE",
     "SWEEP_RANGES",
     "Facade",
@@ -43,5 +48,6 @@ __all__ = [
     "design",
     "model_of",
     "size_structure",
+    "structure_mesh",
     "sweep_ranges",
 ]

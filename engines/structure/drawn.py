@@ -3,15 +3,29 @@
 import numpy as np
 
 from ..core.parameters import from_table
-from ..core.scene import Vector
+from ..core.scene import Mesh, Scene, Vector
 from .bent import bent_members
 from .catalogue import sections_of
+from .fins import member_solids
+from .joints import node_normals
 from .sections import Sections
 from .sized import Sized
-from .structure import Structure, families_of
+from .structure import Structure, size_structure
+from .tasks import families_of
 
 _LOUD = 0.04  # share of the structure's size that its displacement is drawn with
 _ROUND = (1, 2, 5, 10)
+
+
+def structure_mesh(record: Structure) -> Mesh:
+    """The solids of a structure that is sized by itself, for light and sun to meet.
+
+    Raises as `size_structure`; a “mesh” has nothing to be sized and raises SceneError.
+    """
+    sized = size_structure(Scene(), record)
+    model = sized.model
+    normals = node_normals(model.frame, model.cells)
+    return member_solids(model.frame, drawn_sections(sized), normals=normals).mesh
 
 
 def drawn_sections(sized: Sized) -> Sections:

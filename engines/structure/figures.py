@@ -127,7 +127,7 @@ def _on_buckling(result: "Sized", stability: Stability) -> list[str]:
         return [
             f"The whole buckles before all of “{stability.away[0]}”{more} acts{exactly}, although "
             "its members, checked for buckling between their nodes, may suffice; raise its "
-            "surface, widen its supports, or tick second_order or give buckling_y to size for it."
+            "surface, or make buckling_y, the buckling length over a member's, what the whole's is."
         ]
     if not stability.firm:
         return [

@@ -25,8 +25,9 @@ class Suns:
     """S directions that the sun's light is taken to come from.
 
     ``directions`` (S, 3) float64 unit vectors towards the sun, X east, Y north, Z up; ``weights``
-    (S, T) sparse, or None: what share of interval t's direct light comes from each; ``accuracy`` in rad:
-    the farthest that a true sun is from the one that stands for it, 0 where they are the same.
+    (S, T), sparse, or None: what share of interval t's direct light comes from each; ``accuracy``
+    in rad: the farthest that a true sun is from the one that stands for it, 0 where they are the
+    same.
     """
 
     directions: Vector

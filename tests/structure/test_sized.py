@@ -144,8 +144,8 @@ def test_a_shell_that_buckles_as_a_whole_says_so():
     part = f"before all of “self-weight + area load” acts (the least factor is {factor:.3g})"
     assert any(part in note for note in result.meta["notes"])
     assert said(roof(), "would buckle at less than 10 times its loads, so")
-    stiff = replace(shell, rules=Rules(second_order=True))
-    again = size_structure(Scene(), stiff)
+    # A two-hinged arch buckles over half of its length of 25.7 m; its members are 4.3 m long.
+    again = size_structure(Scene(), replace(shell, rules=Rules(buckling_y=3.0)))
     assert value(again, "buckling_combinations") == 0
     assert value(again, "mass") > value(result, "mass")
 

@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from heliform.engines.core.run import run_study
 from heliform.engines.core.study import load_study
@@ -52,3 +53,25 @@ def test_turned_facades_need_more_as_in_figure_36(tmp_path):
     figures = figures_of("structure-facade", tmp_path / "out")
     assert figures["straight.mass"] < figures["graded.mass"] < figures["turned.mass"]
     assert figures["turned.failing"] == 0
+
+
+def test_light_can_meet_a_structure_that_a_study_names(tmp_path):
+    (tmp_path / "shade.toml").write_text(
+        """
+        analysis = "light.trace"
+        [bodies.Roof]
+        form = "structure.sized"
+        preset = "roof"
+        shape.roof.spacing = 5.0
+        material.kind = "diffuse"
+        [lamps.Lamp]
+        source = "disk"
+        flux = 100.0
+        [receivers.Floor]
+        """,
+        encoding="utf-8",
+    )
+    (case,) = load_study(tmp_path / "shade.toml").cases
+    mesh = case.scene.bodies[0].mesh
+    assert 30 < np.ptp(mesh.vertices[:, 0]) < 31
+    assert mesh.vertices[:, 2].min() < 0.1
