@@ -96,7 +96,7 @@ def _property(field: Field, update: Update | None) -> Any:
             return BoolProperty(**options)
         case "enum":
             return EnumProperty(items=enum_items(field.choices, field.help), **options)
-        case "text" if field.name == "file":
+        case "text" if field.names_file:
             return StringProperty(
                 subtype="FILE_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}, **options
             )

@@ -33,6 +33,10 @@ class Refine(Protocol):
     ) -> Any: ...
 
 
+Answer = Callable[[Scene, Any], Any]
+"""Scene and record in, result out, as fast as it can."""
+
+
 @dataclass(frozen=True, slots=True)
 class Form:
     """A shape that a study or a panel can ask for: a record and the function that builds it.
@@ -56,7 +60,8 @@ class Analysis:
 
     ``refine`` goes on from the file ``sums`` of a result's folder; None where that cannot be.
     ``unwrap`` gives a receiver's mesh texture coordinates (F, 3, 2) for a map of so many texels a
-    side. ``lamp_files`` are the files that a lamp's photometric file needs beside it.
+    side. ``lamp_files`` are the files that a lamp's photometric file needs beside it. ``live``
+    makes what answers for a scene that changes, and remembers from one answer to the next.
     """
 
     name: str
@@ -68,6 +73,7 @@ class Analysis:
     sums: str = ""
     unwrap: Callable[[Mesh, int], Vector] | None = None
     lamp_files: Callable[[Path], list[Path]] = lambda file: []
+    live: Callable[[], Answer] | None = None
 
 
 def find_form(name: str, where: str) -> Form:

@@ -50,14 +50,15 @@ worker.main()
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """A study that was submitted, and where its result goes."""
+    """A study that was submitted, and where its result goes; ``live`` where it is a question."""
 
     id: int
     study: Path
     out: Path
-    quick: bool
-    seed: int | None
-    settings: tuple[str, ...]
+    quick: bool = False
+    seed: int | None = None
+    settings: tuple[str, ...] = ()
+    live: bool = False
 
     @property
     def part(self) -> Path:
@@ -174,6 +175,18 @@ class Worker:
         """
         places = Path(study).absolute(), Path(out).absolute()
         job = Job(next(self._ids), *places, quick, seed, tuple(settings))
+        return self._queued(job)
+
+    def ask(self, study: str | Path, out: str | Path) -> Job:
+        """Have the study answered live into the folder ``out``, once the jobs before have ended.
+
+        See `live.answer_study`. Nothing is left beside ``out`` where that comes to nothing.
+        """
+        return self._queued(
+            Job(next(self._ids), Path(study).absolute(), Path(out).absolute(), live=True)
+        )
+
+    def _queued(self, job: Job) -> Job:
         self._waiting.append(job)
         self._update()
         return job
@@ -244,6 +257,9 @@ class Worker:
             self._events.append(Ended(job, "died", str(error)))
             return
         self._running = job
+        if job.live:
+            self._send({"job": job.id, "live": str(job.study), "out": str(job.out)})
+            return
         self._send(
             {
                 "job": job.id,

@@ -4,6 +4,7 @@ Both are JSON, an object a line. Requests:
 
     {"job": 7, "study": "…/study.toml", "out": "…/results", "quick": false, "seed": null,
      "settings": []}
+    {"job": 8, "live": "…/study.toml", "out": "…/answer"}     see `live.answer_study`
     {"cancel": 7}
     {"warm": ["light"]}     load what these rooms need, before a job asks for it
 
@@ -68,6 +69,12 @@ def _run_study(study_path: Path, out: Path, **options: Any) -> Any:
     from .run import run_study  # not needed to be ready
 
     return run_study(study_path, out, **options)
+
+
+def _answer_study(study_path: Path, out: Path, *, progress: Progress) -> None:
+    from .live import answer_study
+
+    answer_study(study_path, out, progress=progress)
 
 
 def serve(requests: BinaryIO, replies: BinaryIO, run: Run) -> None:
@@ -137,9 +144,13 @@ def _progress(replies: BinaryIO, job: int, stop: Event) -> Progress:
 def _attempt(request: dict[str, Any], run: Run, progress: Progress) -> dict[str, Any]:
     """How the job ended."""
     try:
+        out = Path(request["out"])
+        if "live" in request:
+            _answer_study(Path(request["live"]), out, progress=progress)
+            return {"done": request["out"]}
         run(
             Path(request["study"]),
-            Path(request["out"]),
+            out,
             quick=request["quick"],
             seed=request["seed"],
             settings=request["settings"],

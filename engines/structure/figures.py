@@ -126,8 +126,9 @@ def _on_buckling(result: "Sized", stability: Stability) -> list[str]:
         more = f" and {others} other combinations" if others else ""
         return [
             f"The whole buckles before all of “{stability.away[0]}”{more} acts{exactly}, although "
-            "its members, checked for buckling between their nodes, may suffice; raise its "
-            "surface, or make buckling_y, the buckling length over a member's, what the whole's is."
+            "its members, checked for buckling between their nodes, may suffice; brace it with "
+            "diagonals, raise its surface, or make buckling_y and buckling_z, over a member's "
+            "length, those of the whole."
         ]
     if not stability.firm:
         return [

@@ -53,8 +53,8 @@ class Frame:
         """
         ends = self.ends()
         x = ends[:, 1] - ends[:, 0]
-        x = x / np.linalg.norm(x, axis=1, keepdims=True)
-        z = self.normals - np.einsum("mi,mi->m", self.normals, x)[:, None] * x
+        x: Vector = x / np.linalg.norm(x, axis=1, keepdims=True)
+        z: Vector = self.normals - np.einsum("mi,mi->m", self.normals, x)[:, None] * x
         size = np.linalg.norm(z, axis=1)
         along = size < 1e-6 * np.maximum(np.linalg.norm(self.normals, axis=1), 1e-300)
         if along.any():

@@ -27,17 +27,6 @@ class Loads:
     line: Vector
 
 
-def no_loads(count_nodes: int, count_members: int) -> Loads:
-    """No load case at all, to be joined with others."""
-    return Loads(
-        (),
-        (),
-        np.zeros((0, 3)),
-        np.zeros((0, count_nodes, 6)),
-        np.zeros((0, count_members, 2, 3)),
-    )
-
-
 def joined(*parts: Loads) -> Loads:
     """The load cases of all parts, one after the other."""
     return Loads(

@@ -5,6 +5,7 @@ Columns are packed along the last axis, the first into the lowest bit of the fir
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from ..core.scene import Vector
 
@@ -27,16 +28,18 @@ def unpacked(bits: Bits, columns: int) -> NDArray[np.bool_]:
 
 def sums(
     bits: Bits,
-    weights: Vector,
+    weights: Vector | sparse.csr_array,
     through: NDArray[np.uint16] | None = None,
     facing: tuple[Vector, Vector] | None = None,
 ) -> Vector:
     """Σ over the columns d of seen[n, d] · weights[d, k], (N, K) float64 to single precision.
 
-    ``bits`` (N, ceil(D / 8)), ``weights`` (D, K). ``through`` (N, D), of FULL, weighs each further;
-    so does the cosine between ``facing``'s normals (N, 3) and directions (D, 3), which is above 0
-    wherever a bit is set. Bytes that no weight falls on are passed over.
+    ``bits`` (N, ceil(D / 8)), ``weights`` (D, K), also sparse. ``through`` (N, D), of FULL, weighs
+    each further; so does the cosine between ``facing``'s normals (N, 3) and directions (D, 3),
+    which is above 0 wherever a bit is set. Bytes that no weight falls on are passed over.
     """
+    if isinstance(weights, sparse.csr_array):
+        return _multiplied(bits, weights, through, facing)
     used = _used_bytes(weights)
     if len(used) < bits.shape[1]:
         columns = (8 * used[:, None] + np.arange(8)).ravel()
@@ -59,15 +62,16 @@ def sums(
 
 def _multiplied(
     bits: Bits,
-    weights: Vector,
+    weights: Vector | sparse.csr_array,
     through: NDArray[np.uint16] | None,
     facing: tuple[Vector, Vector] | None = None,
 ) -> Vector:
-    columns, count = len(weights), len(bits)
-    factors = np.ascontiguousarray(weights, dtype=np.float32)
+    (columns, sums), count = weights.shape or (0, 0), len(bits)
+    factors = weights.astype(np.float32)
+    few = sums <= _FEW and not isinstance(factors, sparse.csr_array)
     normals, towards = (np.asarray(a, np.float32) for a in facing or (np.zeros(0), np.zeros(0)))
-    out = np.zeros((count, factors.shape[1]), np.float32)
-    size = _BLOCK if factors.shape[1] <= _FEW else 8 * _BLOCK  # BLAS's threads want more
+    out = np.zeros((count, sums), np.float32)
+    size = _BLOCK if few else 8 * _BLOCK  # BLAS's threads want more
     block = np.empty((max(1, size // max(columns, 1)), columns), np.float32)
     for start in range(0, count, len(block)):
         rows = slice(start, min(start + len(block), count))
@@ -77,8 +81,8 @@ def _multiplied(
             here *= through[rows]
         if facing is not None:
             here *= normals[rows] @ towards.T
-        if factors.shape[1] > _FEW:
-            np.matmul(here, factors, out=out[rows])
+        if not few:
+            out[rows] = here @ factors
             continue
         # Column by column: BLAS would set several threads on this little, and they wait longer.
         for k, column in enumerate(factors.T.copy()):

@@ -115,10 +115,7 @@ def _crossed(soup: Soup, records: Any, fired: Fired) -> Any:
 
 
 def _kept(records: Any, direction: Any, hit: Any, behind: Any, met: Any) -> tuple[Any, Any]:
-    """What s- and p-polarised light keep where rays meet glass, ``behind`` m past the last time.
-
-    A solid's two surfaces count where the ray leaves, both at the angle there.
-    """
+    """What s- and p-polarised light keep where rays meet glass, ``behind`` m past the last time."""
     mi = runtime.mitsuba()
     import drjit as dr
 
@@ -127,17 +124,25 @@ def _kept(records: Any, direction: Any, hit: Any, behind: Any, met: Any) -> tupl
         dr.gather(mi.Float, records, first + i, met) for i in range(_RECORD)
     )
     along = dr.dot(direction, mi.Vector3f(x, y, z))
+    kept_s, kept_p = slab(along, ior, absorption, sheet > 0, behind + hit.t)
+    counts = met & ((sheet > 0) | (along > 0))
+    return dr.select(counts, kept_s, 1), dr.select(counts, kept_p, 1)
+
+
+def slab(along: Any, ior: Any, absorption: Any, sheet: Any, way: Any) -> tuple[Any, Any]:
+    """What s- and p-polarised light keep in a pane, its two surfaces together, on the device.
+
+    ``along`` is the cosine with the pane's normal, ``way`` the straight path through it in m; a
+    ``sheet`` has none. A solid's two surfaces count where the ray leaves, both at the angle there.
+    """
+    import drjit as dr
+
     cosine = dr.minimum(dr.abs(along), 1)
     refracted = dr.sqrt(dr.maximum(1 - (1 - dr.square(cosine)) / dr.square(ior), TINY))
-    way = (behind + hit.t) * cosine / refracted
-    depth = dr.select(sheet > 0, 0, absorption * way)
-    counts = met & ((sheet > 0) | (along > 0))
+    depth = dr.select(sheet, 0, absorption * way * cosine / refracted)
     r_s = dr.square((cosine - ior * refracted) / (cosine + ior * refracted))
     r_p = dr.square((refracted - ior * cosine) / (refracted + ior * cosine))
-    return (
-        dr.select(counts, _slab(r_s, depth), 1),
-        dr.select(counts, _slab(r_p, depth), 1),
-    )
+    return _slab(r_s, depth), _slab(r_p, depth)
 
 
 def _slab(reflectance: Any, depth: Any) -> Any:

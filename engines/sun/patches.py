@@ -26,7 +26,7 @@ def patches_of(subdivision: int) -> Patches:
     Raises ParameterError for another subdivision.
     """
     height = _row_height(subdivision)
-    rows = _rows(subdivision)
+    rows = rows_of(subdivision)
     row = np.repeat(np.arange(len(rows)), rows)
     place = np.concatenate([np.arange(count) for count in rows])
     count = np.array(rows)[row]
@@ -48,7 +48,7 @@ def patch_at(directions: Vector, subdivision: int) -> NDArray[np.int64]:
     Raises ParameterError for a subdivision that `patches_of` has not.
     """
     height = _row_height(subdivision)
-    rows = np.array(_rows(subdivision))
+    rows = np.array(rows_of(subdivision))
     x, y, z = np.moveaxis(np.asarray(directions, float), -1, 0)
     altitude = np.arctan2(z, np.hypot(x, y))
     row = np.clip((altitude / height).astype(np.int64), 0, len(rows) - 1)
@@ -58,7 +58,7 @@ def patch_at(directions: Vector, subdivision: int) -> NDArray[np.int64]:
     return np.where(altitude >= 0, first[row] + place, BELOW)
 
 
-def _rows(subdivision: int) -> tuple[int, ...]:
+def rows_of(subdivision: int) -> tuple[int, ...]:
     """How many patches each row has, the zenith's last."""
     return (*(count * subdivision for count in TREGENZA for _ in range(subdivision)), 1)
 

@@ -1,11 +1,13 @@
 """Where sun and sky are measured: points with a normal and the area that each stands for."""
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.atlas import Texels, require_chart
+from ..core.atlas import texels as texels_of
 from ..core.errors import ParameterError, SceneError
 from ..core.scene import Mesh, Receiver, Surface, Vector
 
@@ -61,26 +63,6 @@ class Sensors:
     def turned(self) -> "Sensors":
         """The same points, gathering on the other side."""
         return replace(self, normals=-self.normals)
-
-
-class Texels(Protocol):
-    """What of a surface the texels of its map cover; row 0 is at v = 0.
-
-    ``area`` (rows, columns) in m², ``place`` and ``normal`` (rows, columns, 3) in m and as unit
-    vectors, ``inside`` (rows, columns) bool: where there is a value worth showing.
-    """
-
-    @property
-    def area(self) -> Vector: ...
-
-    @property
-    def place(self) -> Vector: ...
-
-    @property
-    def normal(self) -> Vector: ...
-
-    @property
-    def inside(self) -> NDArray[np.bool_]: ...
 
 
 def at_points(points: Vector, normals: Vector, *, offset: float = OFFSET) -> Sensors:
@@ -173,7 +155,8 @@ def of_receiver(
 ) -> Sensors:
     """A sensor at the middle of each of a receiver's texels, front first where both sides gather.
 
-    Of a mesh with a map, ``texels`` says what each covers. Raises SceneError where it is missing.
+    A mesh has them where its map shows something; ``texels`` may say so where it is known already.
+    Raises SceneError where its map is none.
     """
     if isinstance(receiver, Receiver):
         s = (np.arange(receiver.columns) + 0.5) / receiver.columns
@@ -183,9 +166,10 @@ def of_receiver(
         points, home = places.reshape(-1, 3), np.arange(count)
         normals = np.tile(receiver.normal, (count, 1))
         areas = np.full(count, receiver.texel_area)
-    elif texels is None:
-        raise SceneError(f"Receiver “{receiver.name}” is a mesh; give what its texels cover.")
     else:
+        if texels is None:
+            require_chart(receiver)
+            texels = texels_of(receiver)
         home = np.flatnonzero(texels.inside)
         points, normals = texels.place.reshape(-1, 3)[home], texels.normal.reshape(-1, 3)[home]
         areas = texels.area.ravel()[home]

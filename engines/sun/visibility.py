@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from ..core.errors import SceneError
 from ..core.progress import SILENT, Progress, part
@@ -38,22 +39,18 @@ class Visibility:
     directions: Vector
     notes: tuple[str, ...] = ()
 
-    def dot(self, weights: Vector, *, cosine: bool = True) -> Vector:
+    def dot(self, weights: Vector | csr_array, *, cosine: bool = True) -> Vector:
         """Σ over the directions of visibility × weight, × the cosine at the sensor if ``cosine``.
 
-        ``weights`` (D,) gives (N,), (D, K) gives (N, K), float64 to single precision. With radiance
-        × solid angle for weights this is irradiance; with hours and no cosine, sun hours. Raises
-        SceneError where there are not D weights.
+        ``weights`` (D,) gives (N,), (D, K), also sparse, gives (N, K), float64 to single precision.
+        With radiance × solid angle for weights this is irradiance; with hours and no cosine, sun
+        hours. Raises SceneError where there are not D weights.
         """
-        weights = np.asarray(weights, dtype=np.float64)
-        if len(weights) != len(self.directions):
-            raise SceneError(
-                f"There are {len(weights)} weights for {len(self.directions)} directions; give as "
-                "many."
-            )
+        weights = _checked_weights(weights, len(self.directions))
         facing = (self.normals, self.directions) if cosine else None
-        total = bits.sums(self.seen, weights.reshape(len(weights), -1), self.through, facing)
-        return total[:, 0] if weights.ndim == 1 else total
+        if weights.ndim == 1:
+            return bits.sums(self.seen, weights[:, None], self.through, facing)[:, 0]
+        return bits.sums(self.seen, weights, self.through, facing)
 
     def values(self) -> NDArray[np.float32]:
         """What of each direction is seen, 0..1 (N, D)."""
@@ -83,7 +80,7 @@ def weighted(
     occluders: Occluders,
     sensors: Sensors,
     directions: Vector,
-    weights: Vector,
+    weights: Vector | csr_array,
     *,
     cosine: bool = True,
     progress: Progress = SILENT,
@@ -92,8 +89,9 @@ def weighted(
 
     Raises what `visible` does but for the size.
     """
-    directions, weights = checked(directions), np.asarray(weights, dtype=np.float64)
-    out, found = np.empty((len(sensors), *weights.shape[1:])), Blind()
+    directions = checked(directions)
+    weights = _checked_weights(weights, len(directions))
+    out, found = np.empty((len(sensors), *(weights.shape or ())[1:])), Blind()
     step = max(1, _STREAMED // max(len(directions), 1))
     for start in range(0, len(sensors), step):
         rows = slice(start, min(start + step, len(sensors)))
@@ -133,3 +131,12 @@ def checked(directions: Vector) -> Vector:
     if len(bad):
         raise SceneError(f"Direction {bad[0]} is {length[bad[0]]:.4g} long; give unit vectors.")
     return directions
+
+
+def _checked_weights(weights: Vector | csr_array, count: int) -> Vector | csr_array:
+    if not isinstance(weights, csr_array):
+        weights = np.asarray(weights, dtype=np.float64)
+    given = (weights.shape or (0,))[0]
+    if given != count:
+        raise SceneError(f"There are {given} weights for {count} directions; give as many.")
+    return weights

@@ -7,7 +7,7 @@ import pytest
 from heliform.engines.core.errors import ParameterError
 from heliform.engines.core.parameters import from_table, to_table
 from heliform.engines.structure.combinations import CombinationRules, combinations_of
-from heliform.engines.structure.loads import Loads, no_loads
+from heliform.engines.structure.loads import Loads
 
 EUROCODE = CombinationRules(rule="eurocode")
 
@@ -15,13 +15,12 @@ EUROCODE = CombinationRules(rule="eurocode")
 def loads_of(**cases):
     """Load cases of no frame in particular: name → action, underscores for spaces."""
     count = len(cases)
-    empty = no_loads(1, 1)
     return Loads(
         tuple(name.replace("_", " ") for name in cases),
         tuple(cases.values()),
         np.zeros((count, 3)),
-        np.zeros((count, *empty.nodal.shape[1:])),
-        np.zeros((count, *empty.line.shape[1:])),
+        np.zeros((count, 1, 6)),
+        np.zeros((count, 1, 2, 3)),
     )
 
 

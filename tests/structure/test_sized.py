@@ -145,9 +145,9 @@ def test_a_shell_that_buckles_as_a_whole_says_so():
     assert any(part in note for note in result.meta["notes"])
     assert said(roof(), "would buckle at less than 10 times its loads, so")
     # A two-hinged arch buckles over half of its length of 25.7 m; its members are 4.3 m long.
-    again = size_structure(Scene(), replace(shell, rules=Rules(buckling_y=3.0)))
-    assert value(again, "buckling_combinations") == 0
-    assert value(again, "mass") > value(result, "mass")
+    braced = replace(flat, pattern="triangulated")
+    again = Structure(form="shell", shell=braced, rules=Rules(buckling_y=3.0))
+    assert value(size_structure(Scene(), again), "buckling_combinations") == 0
 
 
 def test_what_bends_too_far_is_named():

@@ -1,7 +1,5 @@
 """Where sensors stand, and the area they stand for."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from heliform.engines.core.errors import ParameterError, SceneError
@@ -86,18 +84,19 @@ def test_a_receiver_has_a_sensor_a_texel():
 
 
 def test_a_mesh_has_a_sensor_where_its_map_shows_something():
-    inside = np.array([[True, False, True], [False, True, True]])
-    place = np.arange(18.0).reshape(2, 3, 3)
-    texels = SimpleNamespace(
-        area=np.ones((2, 3)), place=place, normal=np.ones((2, 3, 3)), inside=inside
-    )
-    mesh = box("Box", (1, 1, 1), (0, 0, 0)).mesh.triangles()
-    surface = Surface("Box", mesh, np.zeros((12, 3, 2)), 3, 2)
-    some = of_receiver(surface, texels)
-    assert some.spread(some.points)[inside].tolist() == place[inside].tolist()
-    assert np.isnan(some.spread(some.areas)[~inside]).all()
-    with pytest.raises(SceneError, match="“Box” is a mesh"):
-        of_receiver(surface)
+    """A right triangle on the lower half of its map, upright in space."""
+    corners = np.array([[0, 0, 0], [2, 0, 0], [0, 0, 2.0]])
+    mesh = Mesh(corners, np.array([[0, 1, 2]], np.int32))
+    surface = Surface("Sail", mesh, corners[None, :, [0, 2]] / 2, 4, 4)
+    some = of_receiver(surface)
+    assert some.areas.sum() == pytest.approx(2)
+    assert some.normals == pytest.approx(np.tile([0, -1, 0], (len(some), 1)))
+    places = some.spread(some.points)
+    assert places[0, 0] == pytest.approx([0.25, 0, 0.25])
+    assert places[1, 2] == pytest.approx([1 + 1 / 6, 0, 0.5 + 1 / 6])
+    assert np.isnan(places[3, 3]).all()
+    with pytest.raises(SceneError, match="“Sail” has no place in its UV map"):
+        of_receiver(Surface("Sail", mesh, np.zeros((1, 3, 2)), 4, 4))
 
 
 def test_sensors_are_joined_in_order():

@@ -9,6 +9,7 @@ from heliform.engines.sun.occlusion import Occluders, bodies_of
 from heliform.engines.sun.remembered import Remembered
 from heliform.engines.sun.sensors import at_points, of_receiver, on_mesh, on_plane
 from heliform.engines.sun.visibility import visible, weighted
+from scipy.sparse import csr_array
 from sun.shades import MATTE, box, dome, level, sheet, sky_view, unit
 
 UP = [0.0, 0.0, 1.0]
@@ -181,6 +182,7 @@ def test_sums_are_those_of_what_is_seen():
     assert seen.dot(weights) == pytest.approx((values * cosines) @ weights, rel=1e-5)
     assert seen.dot(weights[:, :4]) == pytest.approx(seen.dot(weights)[:, :4], rel=1e-5)
     assert seen.dot(weights[:, 0]) == pytest.approx(seen.dot(weights)[:, 0], rel=1e-5)
+    assert seen.dot(csr_array(weights)) == pytest.approx(seen.dot(weights), rel=1e-5)
     few = np.where(np.arange(len(SKY)) < len(SKY) - 3, 0.0, 1.0)
     assert seen.dot(few, cosine=False) == pytest.approx(values[:, -3:].sum(axis=1))
 

@@ -9,6 +9,6 @@ GEOMETRY = ("--enable-event-simulate", "--window-geometry", "0", "0", "1600", "1
 @pytest.mark.parametrize("script", ["press.py", "trouble.py", "wall.py", "structure.py"])
 def test_a_person_in_the_window(installed_blender, scripts, tmp_path, script):
     said = installed_blender(
-        *GEOMETRY, "--python", scripts / script, "--", tmp_path / "shots", timeout=240.0
+        *GEOMETRY, "--python", scripts / script, "--", tmp_path / "shots", timeout=480.0
     )
     print(said.stdout)

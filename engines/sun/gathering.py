@@ -1,0 +1,121 @@
+"""What sensors gather of the light of a period, in bounded memory."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..core.progress import SILENT, Progress, part
+from ..core.scene import Vector
+from . import bits, panes
+from .blind import blind
+from .occlusion import Occluders
+from .rays import GRAZING, rays_of
+from .sensors import Sensors
+from .visibility import Visibility, visible
+from .weights import Sources
+
+_RAYS = 1 << 26  # whose answers are kept at a time
+_BLOCK = 1 << 19  # values at a time: what stays in a processor's cache
+
+
+@dataclass(frozen=True, slots=True)
+class Gathered:
+    """What N sensors have of a period.
+
+    ``direct`` and ``diffuse`` (N,) in kWh/m²; ``hours`` (N,): how long they see the sun, be it
+    through glass. ``means`` (D,): what arrives of the light from each direction, visibility ×
+    cosine, as a mean over the sensors by area. ``notes``: what a reader must know.
+    """
+
+    direct: Vector
+    diffuse: Vector
+    hours: Vector
+    means: Vector
+    notes: tuple[str, ...]
+
+
+def gather(
+    occluders: Occluders, sensors: Sensors, sources: Sources, progress: Progress = SILENT
+) -> Gathered:
+    """The sums over all directions, sensors by sensors, of which any number will do.
+
+    Raises RuntimeMissing where nothing can be traced, Cancelled.
+    """
+    count, columns = len(sensors), len(sources.directions)
+    areas = weights_of(sensors)
+    out, means = np.empty((3, count)), np.zeros(columns)
+    any_seen = np.zeros((count, 1), np.uint8)
+    step = max(1, _RAYS // max(columns, 1))
+    for start in range(0, count, step):
+        rows = slice(start, min(start + step, count))
+        within = part(progress, start / count, rows.stop / count)
+        seen = visible(occluders, sensors.some(rows), sources.directions, progress=within)
+        out[:, rows], some = summed(seen, areas[rows], sources)
+        means += some
+        any_seen[rows, 0] = seen.seen.any(axis=1)
+    found = blind(occluders, rays_of(occluders, sensors, sources.directions), any_seen)
+    notes = (*sensors.notes, *found.told(), *panes.told(occluders.panes))
+    return Gathered(*out, means, notes)
+
+
+def gathered(seen: Visibility, sensors: Sensors, sources: Sources) -> Gathered:
+    """`gather` where it is known what the sensors see."""
+    out, means = summed(seen, weights_of(sensors), sources)
+    return Gathered(*out, means, seen.notes)
+
+
+def summed(seen: Visibility, areas: Vector, sources: Sources) -> tuple[Vector, Vector]:
+    """Direct, diffuse and hours (3, N), and Σ (D,) over the sensors of area × what arrives."""
+    energy = seen.dot(np.stack([sources.direct, sources.diffuse], axis=1))
+    hours = replace(seen, through=None).dot(sources.hours, cosine=False)
+    return np.stack([*energy.T, hours]), column_sums(seen, areas)
+
+
+def unobstructed(sensors: Sensors, sources: Sources) -> tuple[Vector, Vector]:
+    """Direct and diffuse together (N,) in kWh/m² without any body, and `Gathered.means` (D,)."""
+    light = sources.direct + sources.diffuse
+    areas = weights_of(sensors)
+    normals, which = _distinct(sensors.normals)
+    shares = np.bincount(which, areas, minlength=len(normals))
+    total, means = np.empty(len(normals)), np.zeros(len(light))
+    step = max(1, 8 * _BLOCK // max(len(light), 1))
+    for start in range(0, len(normals), step):
+        rows = slice(start, start + step)
+        cosines = (normals[rows] @ sources.directions.T).astype(np.float32)
+        cosines[cosines <= GRAZING] = 0
+        total[rows] = cosines @ light.astype(np.float32)
+        means += shares[rows].astype(np.float32) @ cosines
+    return total[which], means
+
+
+def column_sums(seen: Visibility, areas: Vector) -> Vector:
+    """Σ (D,) over the sensors of area × what they see of each direction × its cosine."""
+    columns = len(seen.directions)
+    # The sum of area · cosine is the direction times the sum of area · normal.
+    vectors = (areas[:, None] * seen.normals).T.astype(np.float32)
+    total = np.zeros((3, columns))
+    step = max(1, _BLOCK // max(columns, 1))
+    for start in range(0, len(areas), step):
+        rows = slice(start, start + step)
+        values = bits.unpacked(seen.seen[rows], columns).astype(np.float32)
+        if seen.through is not None:
+            values *= seen.through[rows]
+            values /= bits.FULL
+        total += vectors[:, rows] @ values
+    return np.einsum("id,di->d", total, seen.directions)
+
+
+def weights_of(sensors: Sensors) -> Vector:
+    """What each sensor counts (N,) in a mean over all: by its area; 1 together."""
+    areas = sensors.areas if sensors.areas.sum() > 0 else np.ones(len(sensors))
+    return areas / max(areas.sum(), 1e-300)
+
+
+def _distinct(normals: Vector) -> tuple[Vector, np.ndarray]:
+    """The normals that there are, and which of them each sensor has."""
+    if len(normals) and (normals == normals[0]).all():
+        return normals[:1], np.zeros(len(normals), np.int64)
+    found, first, which = np.unique(
+        np.round(normals, 7), axis=0, return_index=True, return_inverse=True
+    )
+    return normals[first], which.reshape(-1)
