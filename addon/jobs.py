@@ -10,7 +10,7 @@ import sys
 import tempfile
 import textwrap
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -72,6 +72,7 @@ class _Task:
 state = State()
 _worker: Worker | None = None
 _tasks: dict[int, _Task] = {}
+_asked: dict[int, Callable[[Ended], None]] = {}
 _shown: tuple[str, int, int] | None = None
 
 
@@ -79,14 +80,18 @@ _shown: tuple[str, int, int] | None = None
 
 
 def begin(
-    context: bpy.types.Context, analysis: Analysis, label: str, settings: Sequence[str] = ()
+    context: bpy.types.Context,
+    analysis: Analysis,
+    label: str,
+    settings: Sequence[str] = (),
+    staging: Staging | None = None,
 ) -> None:
     """Start a job on the context's scene and follow it while the window stays alive.
 
-    ``settings`` override its study, see `load_study`. Raises HeliformError where the scene cannot
-    be read or the worker not be started.
+    ``settings`` override its study, see `load_study`; ``staging`` is that of the analysis unless
+    given. Raises HeliformError where the scene cannot be read or the worker not be started.
     """
-    task = _prepare(context, analysis, label, settings)
+    task = _prepare(context, analysis, label, settings, staging)
     if task.notes:  # an object got a map: a step of its own, for the result is another
         bpy.ops.ed.undo_push(message="Unwrap")
     _submit(task)
@@ -96,13 +101,17 @@ def begin(
 
 
 def run(
-    context: bpy.types.Context, analysis: Analysis, label: str, settings: Sequence[str] = ()
+    context: bpy.types.Context,
+    analysis: Analysis,
+    label: str,
+    settings: Sequence[str] = (),
+    staging: Staging | None = None,
 ) -> None:
-    """Run a job to its end and stage the result; ``settings`` as in `begin`.
+    """Run a job to its end and stage the result; ``settings`` and ``staging`` as in `begin`.
 
     Raises HeliformError as the engine does, Cancelled where it was cancelled.
     """
-    task = _prepare(context, analysis, label, settings)
+    task = _prepare(context, analysis, label, settings, staging)
     job = _submit(task)
     try:
         ended = worker().wait(job, _progressed)
@@ -117,6 +126,16 @@ def run(
         _conclude(task, ended)
     except WorkerDied as error:
         raise WorkerDied(_told(task, error)) from None
+
+
+def ask(study: Path, out: Path, answered: Callable[[Ended], None]) -> Job:
+    """Have the worker answer a study live into ``out``; `hear` calls ``answered`` with how it went.
+
+    Raises WorkerDied where there is no worker.
+    """
+    job = worker().ask(study, out)
+    _asked[job.id] = answered
+    return job
 
 
 def cancel() -> None:
@@ -139,10 +158,14 @@ def worker() -> Worker:
 
 
 def _prepare(
-    context: bpy.types.Context, analysis: Analysis, label: str, settings: Sequence[str] = ()
+    context: bpy.types.Context,
+    analysis: Analysis,
+    label: str,
+    settings: Sequence[str] = (),
+    staging: Staging | None = None,
 ) -> _Task:
     """Write the scene as a study, and say where its result belongs."""
-    staging = staging_of(analysis)
+    staging = staging or staging_of(analysis)
     assert staging, f"{analysis.name} has no staging"
     given = staging.gather(context, analysis)
     folder = Path(tempfile.mkdtemp(prefix="job-", dir=bpy.app.tempdir))
@@ -199,7 +222,19 @@ def _submit(task: _Task) -> Job:
 def _follow() -> float | None:
     """Called by Blender's timer: take in what happened, end when there is nothing to follow."""
     global _shown
+    hear()
+    news = (state.text, round(100 * state.fraction), int(state.elapsed))
+    if state.running and news != _shown:
+        _shown = news
+        _redraw()
+    return PERIOD if _tasks else None
+
+
+def hear() -> None:
+    """Take in what the worker said: how far jobs are, how they ended, and answers."""
     for event in worker().poll():
+        if isinstance(event, Ended) and event.job.id in _asked:
+            _asked.pop(event.job.id)(event)
         task = _tasks.get(event.job.id)
         if task is None:
             continue
@@ -208,11 +243,6 @@ def _follow() -> float | None:
             _finish(task, event)
         elif not task.forgotten:
             _progressed(event)
-    news = (state.text, round(100 * state.fraction), int(state.elapsed))
-    if state.running and news != _shown:
-        _shown = news
-        _redraw()
-    return PERIOD if _tasks else None
 
 
 def _progressed(event: Progressed) -> None:
@@ -319,6 +349,7 @@ def _forget(*_: object) -> None:
         cancel()
         for task in _tasks.values():
             task.forgotten = True
+    _asked.clear()
     state = State()
     _redraw()
 
@@ -340,6 +371,7 @@ def unregister() -> None:
     for task in _tasks.values():
         shutil.rmtree(task.folder, ignore_errors=True)
     _tasks.clear()
+    _asked.clear()
     if state.running:  # not now: when Blender quits, its windows are half gone
         bpy.app.timers.register(_redraw)
     state = State()

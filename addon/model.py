@@ -62,7 +62,7 @@ def _reprint(group: Any, context: bpy.types.Context) -> None:
 
 
 def _restructure(group: Any, context: bpy.types.Context) -> None:
-    structures.rebuild(group.id_data, context.scene)
+    structures.change(group.id_data, context.scene)
 
 
 def _show_handles(group: Any, context: bpy.types.Context) -> None:

@@ -36,6 +36,7 @@ _GROUPS = {"net": _NETS, "material": _NINES, "turn": _NINES}
 _STILL = 1e-5  # of the structure's size, that float32 may move a handle by
 _lives: dict[int, Live] = {}
 """What structures were last sized to, by their place in this session: sizing begins there."""
+_MANY = 2500  # members, beyond which sizing always begins with the sections that are there
 _HASTE = 4  # rounds of sizing while a handle moves
 _PAUSE = 0.3  # seconds without a move, after which sizing goes on to its end
 
@@ -105,9 +106,10 @@ def rebuild(
 ) -> None:
     """Bring a structure up to date with its settings: geometry, analysis, sections, colours.
 
-    It begins with the sections it has, or ``anew``, and where it is ``hasty`` it ends after few
-    rounds. One that is not live is left as it is, unless anew. Where it cannot be brought up to
-    date ``obj.heliform.problem`` says why.
+    ``hasty``: sizing begins with the sections that it has and ends after few rounds. Else it begins
+    from the start, so that what is shown is what a study finds, unless there are many members.
+    What is not live is left as it is, but ``anew``. Where it cannot be brought up to date
+    ``obj.heliform.problem`` says why.
     """
     own, problem = obj.heliform, ""
     try:
@@ -117,13 +119,13 @@ def rebuild(
             obj.data = obj.data.copy()
         record = record_of(obj, scene)
         if own.live or anew:
-            if anew:
-                _lives.pop(obj.session_uid, None)
-            kept = _lives.setdefault(obj.session_uid, Live())
             asked = record
             if hasty:
                 rounds = min(record.rules.rounds, _HASTE)
                 asked = replace(record, rules=replace(record.rules, rounds=rounds))
+            elif anew or _count(obj) <= _MANY:
+                _lives.pop(obj.session_uid, None)
+            kept = _lives.setdefault(obj.session_uid, Live())
             _show(obj, kept.size(asked, scene_of(obj, scene)), scene)
             obj[_BUILT] = digest(asked)
         _place_handles(obj, record, scene)
@@ -131,6 +133,20 @@ def rebuild(
         problem = str(error)
     if own.problem != problem:
         own.problem = problem
+
+
+def change(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
+    """Bring a structure up to date in haste while a person changes it, then at leisure."""
+    hasty = obj.heliform.live and not bpy.app.background
+    rebuild(obj, scene, hasty=hasty)
+    if hasty:
+        live.settle(obj, _PAUSE)
+
+
+def _count(obj: bpy.types.Object) -> int:
+    """Members that the structure last had, 0 where that is not known."""
+    kept = _lives.get(obj.session_uid)
+    return 0 if kept is None or kept.last is None else len(kept.last.rows)
 
 
 def _keep(obj: bpy.types.Object, sized: Sized, scene: bpy.types.Scene) -> None:
@@ -217,10 +233,7 @@ def follow_handles(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
             write(getattr(own.structure, kind), levels, scale)
     if obj.get(_BUILT) == digest(record_of(obj, scene)):
         return
-    hasty = not bpy.app.background
-    rebuild(obj, scene, hasty=hasty)
-    if hasty:
-        live.settle(obj, _PAUSE)
+    change(obj, scene)
 
 
 # As an analysis

@@ -10,6 +10,7 @@ from bpy.types import Context, Event, Operator
 from ..addon import jobs
 from ..addon.bridge import results, studies
 from ..addon.rooms import staging_of
+from ..addon.staging import Staging
 from ..engines.core import runtime
 from ..engines.core.analysis import Analysis, find_analysis
 from ..engines.core.errors import Cancelled, FileError, HeliformError
@@ -26,6 +27,8 @@ class RunAnalysis:
     traces = True
     label = ""
     """What the job is called, if not like the operator."""
+    staging: Staging | None = None
+    """How it meets the scene, if not as the analysis does."""
     bl_label: str
     bl_options = set()
     report: Any
@@ -54,7 +57,7 @@ class RunAnalysis:
         """Start the job and return; the panel says what keeps it from starting."""
         label = self.label or self.bl_label
         try:
-            jobs.begin(context, self.analysis, label, self.settings(context))
+            jobs.begin(context, self.analysis, label, self.settings(context), self.staging)
         except HeliformError as error:
             jobs.state.label, jobs.state.message = label, str(error)
             self.report({"ERROR"}, str(error))
@@ -64,7 +67,7 @@ class RunAnalysis:
         """Run the job to its end, and say how it went."""
         label = self.label or self.bl_label
         try:
-            jobs.run(context, self.analysis, label, self.settings(context))
+            jobs.run(context, self.analysis, label, self.settings(context), self.staging)
         except Cancelled:
             self.report({"WARNING"}, f"{label} was cancelled.")
             return {"CANCELLED"}

@@ -88,6 +88,12 @@ def note(obj: bpy.types.Object, layer: Layer) -> None:
     obj.data[_LAYER] = json.dumps(asdict(layer))
 
 
+def forget(obj: bpy.types.Object) -> None:
+    """Say no more what the legend says: something else is shown on the object now."""
+    if obj.type == "MESH":
+        obj.data.pop(_LAYER, None)
+
+
 def layer_of(obj: bpy.types.Object | None) -> Layer | None:
     """The object's layer, or None where it has none."""
     if obj is None or obj.type != "MESH" or _LAYER not in obj.data:

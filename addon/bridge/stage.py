@@ -9,7 +9,7 @@ import numpy as np
 from ...engines.core.colour import Display
 from ...engines.light import Irradiance, IrradianceMap
 from ...engines.light.drawing import is_plane
-from . import results, shading, showing
+from . import layers, results, shading, showing
 from .results import CHANNELS, COLOUR, KINDS, PICTURE
 
 
@@ -35,6 +35,7 @@ def stage_irradiance(
     for receiver, maps in sides.items():
         kept = {(kind, _side(one)) for one in maps for kind in _kinds(one)}
         results.drop_others(receiver, kept)
+        layers.forget(receiver)
     showing.share_map(pictures, name)
     showing.redisplay(scene, display, pictures)
     for receiver, maps in sides.items():

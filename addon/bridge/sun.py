@@ -19,8 +19,7 @@ from ...engines.core.colour import ColourScale, Display, scale_for
 from ...engines.core.errors import HeliformError, SceneError
 from ...engines.core.scene import Body, Scene
 from ...engines.light.drawing import shown
-from ...engines.sun import SUN_RADIATION
-from ...engines.sun.maps import QUANTITIES, SunMap, SunMaps
+from ...engines.sun.maps import SunMap, SunMaps
 from ...engines.sun.radiation import Radiation
 from ..properties import parameters, read, scale_of, write
 from ..staging import Gathered, Objects, Staging
@@ -29,6 +28,8 @@ from .read import body_material, objects_of, read_mesh, read_receiver
 from .receivers import unwrap_receivers
 
 _FACTS, _MAPS = "heliform_sun", "heliform_sun_maps"
+_COVERED = "heliform_sun_covered"
+_SIDES = ("", "front", "back")
 _FAVOURITES = ("total", "daylight_autonomy", "daylight_factor")
 _EACH = 3  # maps that an image holds
 _GUTTER = 4  # texels that a picture is carried on around what a mesh's map covers
@@ -109,7 +110,7 @@ def stage(
     offered = offered_maps(scene)
     if scene.heliform.sun_map not in offered:
         scene.heliform.sun_map = next((n for n in _FAVOURITES if n in offered), next(iter(offered)))
-    repaint(scene, lasting=folder is not None)
+    repaint(scene)
     return first
 
 
@@ -128,38 +129,42 @@ def _stage(
 
 def _keep(obj: bpy.types.Object, one: SunMap) -> None:
     """The values of a receiver's maps as float images, in place of those of an earlier result."""
-    if any(results.is_result(results.find(obj, results.PICTURE, s)) for s in ("", "front", "back")):
+    if any(results.is_result(results.find(obj, results.PICTURE, side)) for side in _SIDES):
         results.drop_others(obj, set())  # a result of light
     names = list(one.maps)
-    kinds = {
-        ", ".join(part): part for part in (names[i : i + _EACH] for i in range(0, len(names), 3))
-    }
+    parts = [names[start : start + _EACH] for start in range(0, len(names), _EACH)]
+    kinds = {", ".join(part): part for part in parts}
     sides = dict(one.sides())
     for side, maps in sides.items():
         for kind, part in kinds.items():
-            stacked = np.stack([maps[name] for name in [*part, *part[-1:] * 2][:_EACH]], axis=-1)
-            results.fill(results.image_for(obj, kind, side, stacked.shape[:2]), stacked)
-    kept = {(kind, side) for kind in (*kinds, results.PICTURE) for side in sides}
-    results.drop_others(obj, kept)
-    whole = bool((one.area > 0).all())
+            channels = [maps[name] for name in [*part, *part[-1:] * _EACH][:_EACH]]
+            image = results.image_for(obj, kind, side, channels[0].shape)
+            results.fill(image, np.stack(channels, axis=-1))
+    results.drop_others(obj, {(k, side) for k in (*kinds, results.PICTURE) for side in sides})
+    covered = one.area > 0
+    if not covered.all():
+        obj[_COVERED] = np.packbits(covered).tolist()
+    else:
+        obj.pop(_COVERED, None)
     means = {name: one.mean(name) for name in names}
-    obj[_MAPS] = json.dumps(
-        {"kinds": kinds, "sides": list(sides), "whole": whole, "means": means}
-    )
-    layers.note(obj, layers.Layer("", None))
+    obj[_MAPS] = json.dumps({"kinds": kinds, "sides": list(sides), "means": means})
 
 
 def staged_on(scene: bpy.types.Scene) -> list[bpy.types.Object]:
     """The receivers that a study's maps lie on, by their names."""
-    found = [
-        obj
-        for obj in scene.objects
-        if _MAPS in obj
-        and layers.layer_of(obj)
-        and results.find(obj, results.PICTURE, _kept(obj)["sides"][0])
-        or _MAPS in obj
-    ]
-    return sorted(found, key=lambda obj: obj.name)
+    return sorted((obj for obj in scene.objects if _is_staged(obj)), key=lambda obj: obj.name)
+
+
+def _is_staged(obj: bpy.types.Object) -> bool:
+    """Whether the maps that an object says it has are its own, and there."""
+    if _MAPS not in obj:
+        return False
+    kept = _kept(obj)
+    return results.find(obj, next(iter(kept["kinds"])), kept["sides"][0]) is not None
+
+
+def _kept(obj: bpy.types.Object) -> dict[str, Any]:
+    return json.loads(obj[_MAPS])
 
 
 def facts_of(scene: bpy.types.Scene) -> dict[str, Any] | None:
@@ -167,26 +172,90 @@ def facts_of(scene: bpy.types.Scene) -> dict[str, Any] | None:
     return json.loads(scene[_FACTS]) if _FACTS in scene and staged_on(scene) else None
 
 
-def mean_on(obj: bpy.types.Object, name: str) -> float:
-    """The mean of a map over a receiver."""
-    return _kept(obj)["means"][name]
-
-
 def offered_maps(scene: bpy.types.Scene) -> dict[str, list[str]]:
     """The maps that there are, with their titles and units."""
     return json.loads(scene[_FACTS])["quantities"] if _FACTS in scene else {}
 
 
+def mean_on(obj: bpy.types.Object, name: str) -> float:
+    """The mean of a map over a receiver, NaN where it does not have it."""
+    return _kept(obj)["means"].get(name, float("nan"))
+
+
 def values_on(obj: bpy.types.Object, name: str) -> dict[str, NDArray[np.float32]]:
     """A map of a receiver by its sides (rows, columns). Raises SceneError where it is gone."""
     kept = _kept(obj)
-    kind, part = next((k, part) for k, part in kept["kinds"].items() if name in part)
-    images = {side: results.find(obj, kind, side) for side in kept["sides"]}
-    if not all(images.values()):
-        raise SceneError(f"The values on “{obj.name}” are gone; do the study again.")
-    index = part.index(name)
-    return {side: results.pixels_of(image)[..., index] for side, image in images.items()}
+    found = [(kind, part.index(name)) for kind, part in kept["kinds"].items() if name in part]
+    images = {side: results.find(obj, kind, side) for kind, _ in found for side in kept["sides"]}
+    if not images or not all(images.values()):
+        raise SceneError(f"“{obj.name}” has no values of that map any more; do the study again.")
+    return {side: results.pixels_of(image)[..., found[0][1]] for side, image in images.items()}
 
 
-def repaint(scene: bpy.types.Scene, *, lasting: bool = True) -> None:
-    """Colour all receivers by the map that is chosen, on one scale."""
+# What is shown
+
+
+def repaint(scene: bpy.types.Scene) -> None:
+    """Colour all receivers by the map that is chosen, on one scale.
+
+    Where the range that is asked for is none, ``facts_of`` says so, and the range is automatic.
+    """
+    facts, name = facts_of(scene), scene.heliform.sun_map
+    if facts is None or name not in facts["quantities"]:
+        return
+    objects = [obj for obj in staged_on(scene) if name in _kept(obj)["means"]]
+    values = {obj: values_on(obj, name) for obj in objects}
+    every = [np.ravel(v) for sides in values.values() for v in sides.values()]
+    title, unit = facts["quantities"][name]
+    display = replace(read(scene.heliform.sun_display, Display), log=False)
+    problem = ""
+    try:
+        scale = scale_for(np.concatenate(every), display, title, unit)
+    except HeliformError as error:
+        problem = str(error)
+        scale = scale_for(np.concatenate(every), Display(log=False), title, unit)
+    if problem != facts.get("problem", ""):
+        scene[_FACTS] = json.dumps(facts | {"problem": problem})
+    for obj, sides in values.items():
+        _paint(obj, sides, scale, [f"mean {_round(mean_on(obj, name))} {unit}", *_footing(facts)])
+
+
+def _paint(
+    obj: bpy.types.Object,
+    sides: dict[str, NDArray[np.float32]],
+    scale: ColourScale,
+    footing: list[str],
+) -> None:
+    for side, values in sides.items():
+        covered = _covered(obj, values.shape)
+        colours = scale.colours(values if covered is None else shown(values, covered, _GUTTER))
+        image = results.image_for(obj, results.PICTURE, side, values.shape)
+        results.fill(image, colours / np.float32(255))
+    shading.show_pictures(obj, "sun", list(_kept(obj)["kinds"]), list(sides))
+    layers.note(obj, layers.Layer(scale.quantity, scale, footing))
+
+
+def _covered(obj: bpy.types.Object, shape: tuple[int, ...]) -> NDArray[np.bool_] | None:
+    """Where the receiver's map has a surface (rows, columns); None where it has one everywhere."""
+    if _COVERED not in obj:
+        return None
+    packed = np.array(obj[_COVERED].to_list(), dtype=np.uint8)
+    return np.unpackbits(packed, count=shape[0] * shape[1]).reshape(shape).astype(bool)
+
+
+def _footing(facts: dict[str, Any]) -> list[str]:
+    return [line for line in (facts["period"], facts["footing"]) if line]
+
+
+def _round(value: float) -> str:
+    """Three digits or more, and no exponent."""
+    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+
+
+def _add(scene: bpy.types.Scene, record: Any) -> None:
+    """Place and weather of a study of daylight are those of the scene."""
+    ours = replace(parameters(scene, Radiation), site=record.site, weather_file=record.weather_file)
+    write(scene.heliform.radiation, ours, scale_of(scene))
+
+
+STAGING = Staging(gather, _stage, _add)

@@ -180,7 +180,7 @@ class Worker:
     def ask(self, study: str | Path, out: str | Path) -> Job:
         """Have the study answered live into the folder ``out``, once the jobs before have ended.
 
-        See `live.answer_study`. Nothing is left beside ``out`` where that comes to nothing.
+        See `live.answer_study`. Where that comes to nothing, part of ``out`` may be there.
         """
         return self._queued(
             Job(next(self._ids), Path(study).absolute(), Path(out).absolute(), live=True)

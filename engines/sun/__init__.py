@@ -1,1 +1,26 @@
 """Sun and sky: where the sun stands, what the weather lets through, and what it lights."""
+
+from ..core.analysis import Analysis
+from ..core.unwrap import unwrap
+from .drawing import draw
+from .live import LiveSun
+from .maps import QUANTITIES, SunMap, SunMaps
+from .radiation import Radiation, study_radiation
+
+FORMS = ()
+SUN_RADIATION = Analysis(
+    "sun.radiation", Radiation, study_radiation, shows=SunMaps, draw=draw, unwrap=unwrap
+)
+ANALYSES = (SUN_RADIATION,)
+
+__all__ = [
+    "ANALYSES",
+    "FORMS",
+    "QUANTITIES",
+    "SUN_RADIATION",
+    "LiveSun",
+    "Radiation",
+    "SunMap",
+    "SunMaps",
+    "study_radiation",
+]

@@ -74,9 +74,14 @@ class Dome:
     site: Site
 
     @property
+    def rows(self) -> tuple[int, ...]:
+        """Patches in each row of altitude."""
+        return rows_of(self.subdivision)
+
+    @property
     def count(self) -> int:
         """Of patches, with the ground."""
-        return sum(rows_of(self.subdivision)) + 1
+        return sum(self.rows) + 1
 
 
 def escapes(
@@ -239,7 +244,7 @@ def _patch(direction: Any, dome: Dome) -> Any:
     mi = runtime.mitsuba()
     import drjit as dr
 
-    rows = np.array(rows_of(dome.subdivision), np.uint32)
+    rows = np.array(dome.rows, np.uint32)
     height = np.pi / 2 / (len(rows) - 0.5)
     first = mi.UInt32(np.cumsum(rows) - rows)
     (cosine, sine, _), _, _ = to_world(np.eye(3), dome.site)

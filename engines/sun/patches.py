@@ -59,7 +59,7 @@ def patch_at(directions: Vector, subdivision: int) -> NDArray[np.int64]:
 
 
 def rows_of(subdivision: int) -> tuple[int, ...]:
-    """How many patches each row has, the zenith's last."""
+    """How many patches each row has, from the horizon up; the zenith's, the last, has one."""
     return (*(count * subdivision for count in TREGENZA for _ in range(subdivision)), 1)
 
 

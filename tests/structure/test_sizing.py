@@ -9,6 +9,7 @@ from heliform.engines.structure.assembly import pattern_of
 from heliform.engines.structure.candidates import menu_of, pool_of
 from heliform.engines.structure.catalogue import FAMILIES, load_family
 from heliform.engines.structure.choosing import no_bounds, places_from, wanted_places
+from heliform.engines.structure.combinations import CombinationRules
 from heliform.engines.structure.deflection import DeflectionLimits
 from heliform.engines.structure.linear import solve_frame
 from heliform.engines.structure.member_checks import check_members, worst_of
@@ -120,7 +121,8 @@ def test_a_beam_by_eurocode_uses_what_its_formulas_say():
     ipe = np.array([task.pool.families[0].index("IPE 300")])
     demand, _ = demand_of(task, ipe, pattern_of(task.frame))
     checked = check_members(demand, task.pool, ipe, task.rules)
-    used = {name.partition(",")[0]: u for name, u in zip(checked.names, checked.utilisation[:, 0])}
+    names = [name.partition(",")[0] for name in checked.names]
+    used = dict(zip(names, checked.utilisation[:, 0].tolist(), strict=True))
     # Tables: I_z 603.8 cm⁴, I_t 20.12 cm⁴, I_w 125 900 cm⁶, W_pl,y 628.4 cm³, A_v 25.68 cm².
     moment, shear = 1.5 * 3000 * 10**2 / 8, 1.5 * 3000 * 10 / 2
     euler = np.pi**2 * 210e9 * 603.8e-8 / 10**2
@@ -128,15 +130,15 @@ def test_a_beam_by_eurocode_uses_what_its_formulas_say():
     plastic = 628.4e-6 * 235e6
     slenderness = np.sqrt(plastic / critical)
     half = 0.5 * (1 + 0.34 * (slenderness - 0.4) + 0.75 * slenderness**2)
-    factor = min(
-        1 / (half + np.sqrt(half**2 - 0.75 * slenderness**2)), 1 / slenderness**2
-    )
+    factor = min(1 / (half + np.sqrt(half**2 - 0.75 * slenderness**2)), 1 / slenderness**2)
     assert used["Bending"] == pytest.approx(moment / plastic, rel=2e-3)
     assert used["Shear along z with torsion"] == pytest.approx(
         shear / (25.68e-4 * 235e6 / np.sqrt(3)), rel=2e-3
     )
     # C_1 by Kirby and Nethercot is 1.136.
-    assert used["Lateral-torsional buckling"] == pytest.approx(moment / (factor * plastic), rel=1e-2)
+    assert used["Lateral-torsional buckling"] == pytest.approx(
+        moment / (factor * plastic), rel=1e-2
+    )
 
 
 def test_what_sizing_ends_with_suffices_and_nothing_before_it_does():

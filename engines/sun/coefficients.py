@@ -1,0 +1,144 @@
+"""Daylight coefficients: what each patch of the sky, at a luminance of 1, gives to each sensor.
+
+[Tregenza & Waters 1983, Lighting Research & Technology 15(2):65–71]. They do not depend on weather
+or time: any hour is a weighted sum. They are found by chance, so each is a mean over rounds of
+paths that know nothing of each other, whose scatter tells the error.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import stdtrit
+
+from ..core.progress import SILENT, Progress
+from ..core.scene import Vector
+from .bounces import Dome, Start, Surroundings, escapes
+from .sensors import Sensors
+from .soup import CLOSE
+
+STRATA = 16
+"""Cells a side of the grid over the hemisphere: a sensor sends 256 paths in a round."""
+FEWEST, MOST = 8, 512
+"""Rounds: below 8 the error itself would be too uncertain; 512 are 131,072 paths a sensor."""
+BLOCK = 4096
+"""Sensors at a time: a million paths a round, and 40 MB of coefficients at 577 patches."""
+
+
+@dataclass(frozen=True, slots=True)
+class Coefficients:
+    """What N sensors get of P patches, the ground the last, in lx for 1 cd/m², or W/m² for W/(m² sr).
+
+    ``straight`` (N, P) float32 comes through nothing but clear panes, ``scattered`` (N, P) off
+    surfaces or through screens. ``value`` (N, K) is what K skies give, and ``error`` (N, K) its
+    standard error. ``rounds`` of STRATA² paths a sensor were traced.
+    """
+
+    straight: NDArray[np.float32]
+    scattered: NDArray[np.float32]
+    value: Vector
+    error: Vector
+    rounds: int
+
+    @property
+    def both(self) -> NDArray[np.float32]:
+        """All of it (N, P)."""
+        return self.straight + self.scattered
+
+    @property
+    def half_width(self) -> Vector:
+        """Of the 95 % interval about ``value`` (N, K), by Student's t."""
+        return float(stdtrit(self.rounds - 1, 0.975)) * self.error
+
+
+@dataclass(frozen=True, slots=True)
+class Sought:
+    """How well coefficients must be known.
+
+    ``skies`` (2, P, K): the luminances of the patches, for what comes straight and for what is
+    scattered. There are rounds until the 95 % half-width of the first sky's light, ÷ its mean over
+    the sensors, is at most ``error`` (root mean square over the sensors), or until ``most``.
+    """
+
+    skies: Vector
+    error: float
+    most: int = MOST
+
+
+def daylight_coefficients(
+    around: Surroundings,
+    sensors: Sensors,
+    dome: Dome,
+    bounces: int,
+    sought: Sought,
+    *,
+    veil: float = 0.0,
+    seed: int = 0,
+    progress: Progress = SILENT,
+) -> Coefficients:
+    """The coefficients of up to BLOCK sensors, or of as many as memory holds.
+
+    Each path is followed for ``bounces`` reflections; ``veil`` is as `bounces.escapes` says. The
+    same ``seed`` gives the same coefficients. Raises RuntimeMissing where nothing can be traced,
+    Cancelled.
+    """
+    start = _start(around, sensors)
+    count = len(sensors)
+    total = np.zeros((count, 2, dome.count))
+    first = np.zeros((count, sought.skies.shape[2]))
+    square = np.zeros_like(first)
+    rounds, needed = 0, FEWEST
+    while rounds < needed:
+        progress(rounds / needed, f"Following daylight, round {rounds + 1} of {needed}")
+        key = int(np.random.SeedSequence((seed, rounds)).generate_state(1)[0])
+        found = np.pi * escapes(around, start, dome, bounces, veil, key)
+        total += found
+        light = np.einsum("ncp,cpk->nk", found, sought.skies, optimize=True)
+        first += light
+        square += light**2
+        rounds += 1
+        if rounds == needed:
+            needed = _needed(first, square, rounds, sought)
+    mean = first / rounds
+    variance = np.maximum(square / rounds - mean**2, 0.0) / (rounds - 1)
+    total /= rounds
+    return Coefficients(
+        total[:, 0].astype(np.float32),
+        total[:, 1].astype(np.float32),
+        mean,
+        np.sqrt(variance),
+        rounds,
+    )
+
+
+def blocks(count: int) -> Iterator[slice]:
+    """Runs of up to BLOCK sensors."""
+    return (slice(first, min(first + BLOCK, count)) for first in range(0, count, BLOCK))
+
+
+def open_patches(dome: Dome) -> Vector:
+    """What each patch gives to a horizontal plane in the open (P,), exactly; the ground nothing."""
+    rows = np.array(dome.rows)
+    edge = np.minimum(np.arange(len(rows) + 1) / (len(rows) - 0.5), 1.0) * np.pi / 2
+    share = np.pi * np.diff(np.sin(edge) ** 2) / rows
+    return np.append(np.repeat(share, rows), 0.0)
+
+
+def _start(around: Surroundings, sensors: Sensors) -> Start:
+    points = sensors.points - around.soup.centre
+    reach = max(around.soup.reach, float(np.abs(points).max(initial=0.0)))
+    origins = points + max(sensors.offset, 2 * CLOSE * reach) * sensors.normals
+    return Start(origins.astype(np.float32), sensors.normals.astype(np.float32), STRATA)
+
+
+def _needed(first: Vector, square: Vector, rounds: int, sought: Sought) -> int:
+    """How many rounds there must be in all, as far as these ones tell."""
+    mean = first[:, 0] / rounds
+    variance = np.maximum(square[:, 0] / rounds - mean**2, 0.0) / (rounds - 1)
+    level = mean.mean() if len(mean) else 0.0
+    if not level > 0:
+        return rounds
+    reached = 1.96 * np.sqrt(variance.mean()) / level
+    more = (reached / sought.error) ** 2
+    return min(max(rounds, int(np.ceil(rounds * min(more, 1e6)))), max(sought.most, rounds))

@@ -1,0 +1,104 @@
+"""Temporal maps: hour of the day by day of the year, of the means or of one sensor."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from ..core.colour import ColourScale, Display, scale_for
+from ..core.files import written
+from ..core.picture import legend_image
+from ..core.scene import Vector
+from .maps import SunMaps
+from .tables import HOURLY
+
+_PAPER, _INK, _QUIET = (255, 255, 255), (28, 32, 36), (96, 103, 110)
+_WIDE, _HIGH, _GAP, _TEXT = 1095, 480, 28, 18  # pixels
+_EVERY = 3  # hours between labels
+_MONTHS = "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec".split()
+
+
+@dataclass(frozen=True, slots=True)
+class Temporal:
+    """Values by day and hour.
+
+    ``days`` (M,) datetime64[D] in a row by the site's calendar; ``values`` (H, M), the first row
+    from midnight on, NaN where the period has nothing.
+    """
+
+    days: NDArray[np.datetime64]
+    values: Vector
+
+
+def temporal_map(
+    times: NDArray[np.datetime64], values: Vector, utc_offset: float
+) -> Temporal:
+    """``values`` (T,) at ``times`` (T,), UTC, as a map for a clock ``utc_offset`` hours ahead.
+
+    A day has as many rows as intervals of the shortest step between two times.
+    """
+    local = times.astype("datetime64[s]") + np.timedelta64(round(3600 * utc_offset), "s")
+    days = local.astype("datetime64[D]")
+    steps = np.diff(local).astype(np.int64)
+    step = int(steps.min(initial=3600))
+    row = (local - days).astype(np.int64) // step
+    first = days.min()
+    span = np.arange(first, days.max() + 1)
+    grid = np.full((-(-86400 // step), len(span)), np.nan)
+    grid[row, (days - first).astype(np.int64)] = values
+    return Temporal(span, grid)
+
+
+def save_temporal(path: Path, result: SunMaps, name: str, display: Display) -> None:
+    """Write a temporal map of a result's hourly mean as PNG. Raises FileError."""
+    title, unit = HOURLY[name]
+    offset = result.meta["site"]["utc_offset"]
+    grid = temporal_map(result.times, result.hourly[name], offset)
+    scale = hourly_scale(result.hourly, name, display)
+    page = temporal_picture(grid, scale, f"{title}, mean over the sensors, in {unit}")
+    with written(path) as draft:
+        page.save(draft, format="PNG", compress_level=6)
+
+
+def hourly_scale(hourly: Mapping[str, Vector], name: str, display: Display) -> ColourScale:
+    """The scale of an hourly value: radiation of all kinds shares one, even where there is log."""
+    title, unit = HOURLY[name]
+    together = [v for n, v in hourly.items() if HOURLY[n][1] == unit]
+    return scale_for(np.concatenate(together), display, title, unit)
+
+
+def temporal_picture(grid: Temporal, scale: ColourScale, title: str) -> Image.Image:
+    """The map in false colour, months along and hours up, with its legend."""
+    rows, columns = grid.values.shape
+    size = (columns * max(1, round(_WIDE / columns)), rows * max(1, round(_HIGH / rows)))
+    picture = Image.fromarray(scale.colours(grid.values[::-1]))
+    picture = picture.resize(size, Image.Resampling.NEAREST)
+    legend = Image.fromarray(legend_image(scale, max(size[1], 240)))
+    left, top = 2 * _GAP + _TEXT, _GAP + 2 * _TEXT
+    width = left + size[0] + 2 * _GAP + legend.width
+    page = Image.new("RGB", (width, top + max(size[1], legend.height) + 3 * _GAP), _PAPER)
+    page.paste(picture, (left, top))
+    page.paste(legend, (left + size[0] + _GAP, top))
+    pen, font = ImageDraw.Draw(page), ImageFont.load_default(_TEXT)
+    pen.text((left, _GAP // 2), title, _INK, font)
+    for hour in range(0, 25, _EVERY):
+        y = top + size[1] * (1 - hour / 24)
+        pen.line((left - 6, y, left, y), _QUIET)
+        pen.text((left - 10, y), str(hour), _QUIET, font, anchor="rm")
+    for index, text in _labels(grid.days):
+        x = left + size[0] * index / columns
+        pen.line((x, top + size[1], x, top + size[1] + 6), _QUIET)
+        pen.text((x + 3, top + size[1] + 8), text, _QUIET, font)
+    return page
+
+
+def _labels(days: NDArray[np.datetime64]) -> list[tuple[int, str]]:
+    """Where each month begins; of less than two months, the first day."""
+    dates = [day.astype(object) for day in days]
+    if len(dates) < 60:
+        return [(0, f"{dates[0].day} {_MONTHS[dates[0].month - 1]}")]
+    starts = [(i, date) for i, date in enumerate(dates) if date.day == 1]
+    return [(index, _MONTHS[date.month - 1]) for index, date in starts]
