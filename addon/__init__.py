@@ -12,6 +12,8 @@ MODULES: Final = (
     "addon.live",
     "addon.structures",
     "addon.jobs",
+    "addon.live_sun",
+    "addon.sun_overlay",
     "addon.command",
     "operators.objects",
     "operators.relief",
@@ -21,11 +23,13 @@ MODULES: Final = (
     "operators.light",
     "operators.scan",
     "operators.structure",
+    "operators.sun",
     "panels.scene",
     "panels.glass",
     "panels.printing",
     "panels.structure",
     "panels.light",
+    "panels.sun",
     "panels.scan",
 )
 

@@ -99,9 +99,12 @@ def _ask() -> None:
         return
     try:
         given = sun.gather(bpy.context, SUN_RADIATION)
-        coarse = replace(given.scene, receivers=tuple(_coarse(scene, r) for r in given.scene.receivers))
+        coarse = replace(
+            given.scene, receivers=tuple(_coarse(scene, r) for r in given.scene.receivers)
+        )
         asked = _digest(coarse, given)
         if _answered.get(scene.session_uid) == asked:
+            _say("")
             return
         folder = Path(tempfile.mkdtemp(prefix="live-", dir=bpy.app.tempdir))
         uids = {name: obj.session_uid for name, obj in given.objects.items()}

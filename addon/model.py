@@ -7,6 +7,7 @@ from bpy.props import (
     BoolProperty,
     CollectionProperty,
     EnumProperty,
+    FloatProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
@@ -21,8 +22,9 @@ from ..engines.light import PhotonTracing
 from ..engines.scan import Comparison, ScanReading
 from ..engines.structure.joints import Joint
 from ..engines.structure.structure import Structure
-from . import printing, structures
-from .bridge import layers, members, scan
+from ..engines.sun import QUANTITIES, Daylight, Radiation
+from . import live_sun, printing, structures, sun_place
+from .bridge import layers, members, scan, sun
 from .bridge.lights import BlenderLight
 from .bridge.walls import WALL
 from .objects import rebuild
@@ -73,8 +75,42 @@ def _repaint(group: Any, context: bpy.types.Context) -> None:
     structures.repaint(group.id_data, context.scene)
 
 
+def _resun(group: Any, context: bpy.types.Context) -> None:
+    """Another place, weather or time: what follows it does."""
+    sun_place.take_site(group.id_data)
+    sun_place.place_lamp(context)
+    live_sun.changed(group.id_data)
+
+
+def _move_sun(group: Any, context: bpy.types.Context) -> None:
+    sun_place.place_lamp(context)
+
+
+def _switch_sun(group: Any, context: bpy.types.Context) -> None:
+    live_sun.switched(group.id_data)
+
+
+def _repaint_sun(group: Any, context: bpy.types.Context) -> None:
+    sun.repaint(group.id_data)
+
+
+def _sun_maps(group: Any, context: bpy.types.Context | None) -> list[tuple[str, str, str, int]]:
+    offered = sun.offered_maps(group.id_data) or QUANTITIES
+    return [item for item in _SUN_MAPS if item[0] in offered]
+
+
+_SUN_MAPS = [
+    (name, QUANTITIES[name][0], QUANTITIES[name][2].rstrip("."), number)
+    for name, _, _, number in enum_items(QUANTITIES)
+]  # kept: Blender holds on to their texts
+
+
 def _is_read(scene: Any, obj: bpy.types.Object) -> bool:
     return scan.facts_of(obj) is not None
+
+
+def _is_light(scene: Any, obj: bpy.types.Object) -> bool:
+    return obj.type == "LIGHT" and obj.data.type == "SUN"
 
 
 def _is_mesh(group: Any, obj: bpy.types.Object) -> bool:
@@ -85,11 +121,12 @@ def _is_mesh(group: Any, obj: bpy.types.Object) -> bool:
 _SHAPE, _WALL, _LAMP, _PLANE = (
     group_for(record, _rebuild) for record in (GlassObject, Wall, Lamp, Plane)
 )
-_MATERIAL, _TRACING, _DISPLAY, _READING, _COMPARISON = map(
-    group_for, (Material, PhotonTracing, Display, ScanReading, Comparison)
+_MATERIAL, _TRACING, _DISPLAY, _READING, _COMPARISON, _DAYLIGHT = map(
+    group_for, (Material, PhotonTracing, Display, ScanReading, Comparison, Daylight)
 )
 _LIGHT = group_for(BlenderLight)
 _STRUCTURE = group_for(Structure, _restructure)
+_RADIATION, _SUN_DISPLAY = group_for(Radiation, _resun), group_for(Display, _repaint_sun)
 _SPIRAL = group_for(Spiral, _reprint)
 
 
@@ -206,6 +243,55 @@ class HELIFORM_PG_scene(bpy.types.PropertyGroup):
         update=_reprint,
     )
     display: PointerProperty(type=_DISPLAY)
+    radiation: PointerProperty(type=_RADIATION)
+    daylight: PointerProperty(type=_DAYLIGHT)
+    live_sun: BoolProperty(
+        name="Live Sun",
+        description="Colour the receivers anew whenever anything moves, on few texels",
+        update=_switch_sun,
+    )
+    live_texels: IntProperty(
+        name="Live Texels",
+        description="Texels along a receiver's longer side while Live Sun is on",
+        default=32,
+        min=1,
+        soft_max=128,
+        max=4096,
+        update=_switch_sun,
+    )
+    sun_map: EnumProperty(
+        name="Map",
+        description="What of sun and sky is shown, on all receivers",
+        items=_sun_maps,
+        default=next(number for name, _, _, number in _SUN_MAPS if name == "total"),
+        update=_repaint_sun,
+    )
+    sun_display: PointerProperty(type=_SUN_DISPLAY)
+    sun_path: BoolProperty(
+        name="Sun Path", description="Draw the sun's path over the year around the scene"
+    )
+    sun_month: IntProperty(
+        name="Month", description="Month of the sun", default=6, min=1, max=12, update=_move_sun
+    )
+    sun_day: IntProperty(
+        name="Day", description="Day of the month", default=21, min=1, max=31, update=_move_sun
+    )
+    sun_hour: FloatProperty(
+        name="Hour",
+        description="Hour of the day in standard time",
+        default=12.0,
+        min=0.0,
+        max=24.0,
+        step=25,
+        precision=2,
+        update=_move_sun,
+    )
+    sun_lamp: PointerProperty(
+        type=bpy.types.Object,
+        name="Lamp",
+        description="The lamp that shines as the sun does at this date and hour",
+        poll=_is_light,
+    )
     seed: IntProperty(
         name="Seed", description="The same seed gives the same photons", default=0, min=0
     )
@@ -217,7 +303,7 @@ class HELIFORM_PG_scene(bpy.types.PropertyGroup):
     )
 
 
-SETTINGS = (PhotonTracing, Display, ScanReading, Comparison, Spiral)
+SETTINGS = (PhotonTracing, Display, ScanReading, Comparison, Spiral, Radiation, Daylight)
 """The records that a scene holds."""
 
 OWNERS = ((bpy.types.Object, HELIFORM_PG_object), (bpy.types.Scene, HELIFORM_PG_scene))

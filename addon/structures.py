@@ -121,8 +121,9 @@ def rebuild(
         if own.live or anew:
             asked = record
             if hasty:
-                rounds = min(record.rules.rounds, _HASTE)
-                asked = replace(record, rules=replace(record.rules, rounds=rounds))
+                rules = replace(record.rules, stability=0.0, service=False)
+                rules = replace(rules, rounds=min(rules.rounds, _HASTE))
+                asked = replace(record, rules=rules)
             elif anew or _count(obj) <= _MANY:
                 _lives.pop(obj.session_uid, None)
             kept = _lives.setdefault(obj.session_uid, Live())

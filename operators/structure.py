@@ -127,7 +127,7 @@ class HELIFORM_OT_pick_member(_OnStructure, Operator):
         """Pick what is clicked; what is beside the structure is passed over."""
         if event.type in ("ESC", "RIGHTMOUSE"):
             return self._left(context, "CANCELLED")
-        under = _view_under(context, event)
+        under = view_under(context, event)
         if under and event.type == "LEFTMOUSE" and event.value == "PRESS":
             picked = _member_under(context, *under)
             if picked is not None:
@@ -249,7 +249,7 @@ def _target(context: Context) -> Object:
     return found
 
 
-def _view_under(context: Context, event: Event) -> tuple[Area, tuple[int, int]] | None:
+def view_under(context: Context, event: Event) -> tuple[Area, tuple[int, int]] | None:
     """The 3D view under the mouse and where in it; None over its sidebar, header or tools too."""
     for area in context.screen.areas:
         over = [region for region in area.regions if _is_over(region, event)]

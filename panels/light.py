@@ -17,8 +17,11 @@ from .scene import draw_progress, draw_sentence
 
 _HANDLED = {"until", "error", "landed", "seconds", "keep_sums"}
 """Fields that the Light panel itself shows, and one that is always on here."""
-_OTHERS = {"Read Scan", "Choose Scan", "Compare Print"}
-"""Jobs of another room, whose panel says how they went."""
+_OTHERS = {
+    *("Read Scan", "Choose Scan", "Compare Print", "Size Members"),
+    *("Study Sun", "Study Daylight", "Pick Sensor"),
+}
+"""Jobs of other rooms, whose panels say how they went."""
 _STOP_OF = {"error": "error", "landed": "landed", "time": "seconds"}
 _FLUX = (
     ("emitted", "Lamps"),

@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 
 from ...engines.core.colour import NO_VALUE, ColourScale, Palette
 from ...engines.core.scene import Mesh
-from ...engines.structure.bent import bent_members
 from ...engines.structure.drawn import (
+    bent,
     drawn_sections,
     exaggeration,
     values_along,
-    worst_displacement,
 )
 from ...engines.structure.fins import deformed, member_solids
 from ...engines.structure.joints import Joint, node_normals
@@ -79,9 +78,7 @@ def _draw_solids(obj: bpy.types.Object, sized: Sized, joint: Joint, scale: float
     uv.uv.foreach_set("vector", fins.texture.astype(np.float32).ravel())
     member = block.attributes.get(_MEMBER) or block.attributes.new(_MEMBER, "INT", "FACE")
     member.data.foreach_set("value", fins.member)
-    worst = worst_displacement(sized)
-    bent, turns = bent_members(frame, worst, np.linspace(0.0, 1.0, CROSSES))
-    moved = deformed(fins, frame, bent, turns, exaggeration(sized))
+    moved = deformed(fins, frame, *bent(sized, CROSSES), exaggeration(sized))
     keys = block.shape_keys.key_blocks if block.shape_keys else {}
     for name, places in (("Basis", fins.mesh.vertices), (_DISPLACED, moved)):
         found = keys.get(name) or obj.shape_key_add(name=name, from_mix=False)

@@ -6,6 +6,7 @@ that.
 """
 
 import json
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...engines.core.analysis import Analysis
-from ...engines.core.colour import ColourScale, Display, scale_for
+from ...engines.core.colour import ColourScale, Display
 from ...engines.core.errors import HeliformError, SceneError
 from ...engines.core.scene import Body, Scene
 from ...engines.light.drawing import shown
+from ...engines.sun.drawing import scale_of as colour_scale_of
 from ...engines.sun.maps import SunMap, SunMaps
 from ...engines.sun.radiation import Radiation
 from ..properties import parameters, read, scale_of, write
@@ -28,7 +30,9 @@ from .read import body_material, objects_of, read_mesh, read_receiver
 from .receivers import unwrap_receivers
 
 _FACTS, _MAPS = "heliform_sun", "heliform_sun_maps"
-_COVERED = "heliform_sun_covered"
+_MARKS = "heliform_sun_marks"
+_AREA = "area"
+_NO_TIMES = np.empty(0, dtype="datetime64[s]")
 _SIDES = ("", "front", "back")
 _FAVOURITES = ("total", "daylight_autonomy", "daylight_factor")
 _EACH = 3  # maps that an image holds
@@ -136,16 +140,15 @@ def _keep(obj: bpy.types.Object, one: SunMap) -> None:
     kinds = {", ".join(part): part for part in parts}
     sides = dict(one.sides())
     for side, maps in sides.items():
+        area = results.image_for(obj, _AREA, side, one.area.shape)
+        results.fill(area, np.repeat(one.area[..., None], 3, axis=-1))
         for kind, part in kinds.items():
             channels = [maps[name] for name in [*part, *part[-1:] * _EACH][:_EACH]]
             image = results.image_for(obj, kind, side, channels[0].shape)
             results.fill(image, np.stack(channels, axis=-1))
-    results.drop_others(obj, {(k, side) for k in (*kinds, results.PICTURE) for side in sides})
-    covered = one.area > 0
-    if not covered.all():
-        obj[_COVERED] = np.packbits(covered).tolist()
-    else:
-        obj.pop(_COVERED, None)
+    results.drop_others(
+        obj, {(k, side) for k in (*kinds, _AREA, results.PICTURE) for side in sides}
+    )
     means = {name: one.mean(name) for name in names}
     obj[_MAPS] = json.dumps({"kinds": kinds, "sides": list(sides), "means": means})
 
@@ -182,14 +185,27 @@ def mean_on(obj: bpy.types.Object, name: str) -> float:
     return _kept(obj)["means"].get(name, float("nan"))
 
 
-def values_on(obj: bpy.types.Object, name: str) -> dict[str, NDArray[np.float32]]:
-    """A map of a receiver by its sides (rows, columns). Raises SceneError where it is gone."""
+def _map_of(obj: bpy.types.Object) -> SunMap:
+    """The maps of a receiver, from its images. Raises SceneError where they are gone."""
     kept = _kept(obj)
-    found = [(kind, part.index(name)) for kind, part in kept["kinds"].items() if name in part]
-    images = {side: results.find(obj, kind, side) for kind, _ in found for side in kept["sides"]}
-    if not images or not all(images.values()):
-        raise SceneError(f"“{obj.name}” has no values of that map any more; do the study again.")
-    return {side: results.pixels_of(image)[..., found[0][1]] for side, image in images.items()}
+    sides: list[dict[str, NDArray[np.float32]]] = []
+    for side in kept["sides"]:
+        images = {kind: results.find(obj, kind, side) for kind in (_AREA, *kept["kinds"])}
+        if not all(images.values()):
+            raise SceneError(f"The values on “{obj.name}” are gone; do the study again.")
+        values = {kind: results.pixels_of(image) for kind, image in images.items()}
+        area = values[_AREA][..., 0]
+        sides.append(
+            {
+                name: values[kind][..., index]
+                for kind, names in kept["kinds"].items()
+                for index, name in enumerate(names)
+            }
+        )
+    maps = sides[0]
+    if len(sides) == 2:
+        maps = {name: np.stack([side[name] for side in sides]) for name in maps}
+    return SunMap(obj.name, maps, area)
 
 
 # What is shown
@@ -204,43 +220,51 @@ def repaint(scene: bpy.types.Scene) -> None:
     if facts is None or name not in facts["quantities"]:
         return
     objects = [obj for obj in staged_on(scene) if name in _kept(obj)["means"]]
-    values = {obj: values_on(obj, name) for obj in objects}
-    every = [np.ravel(v) for sides in values.values() for v in sides.values()]
-    title, unit = facts["quantities"][name]
+    known = SunMaps(tuple(_map_of(obj) for obj in objects), _NO_TIMES, {}, {})
     display = replace(read(scene.heliform.sun_display, Display), log=False)
     problem = ""
     try:
-        scale = scale_for(np.concatenate(every), display, title, unit)
+        scale = colour_scale_of(known, name, display)
     except HeliformError as error:
         problem = str(error)
-        scale = scale_for(np.concatenate(every), Display(log=False), title, unit)
+        scale = colour_scale_of(known, name, replace(display, automatic=True))
     if problem != facts.get("problem", ""):
         scene[_FACTS] = json.dumps(facts | {"problem": problem})
-    for obj, sides in values.items():
-        _paint(obj, sides, scale, [f"mean {_round(mean_on(obj, name))} {unit}", *_footing(facts)])
+    for obj, one in zip(objects, known.maps, strict=True):
+        mean = f"mean {_round(one.mean(name))} {scale.unit}".strip()
+        _paint(obj, one, name, scale, [mean, *_footing(facts)])
 
 
 def _paint(
-    obj: bpy.types.Object,
-    sides: dict[str, NDArray[np.float32]],
-    scale: ColourScale,
-    footing: list[str],
+    obj: bpy.types.Object, one: SunMap, name: str, scale: ColourScale, footing: list[str]
 ) -> None:
-    for side, values in sides.items():
-        covered = _covered(obj, values.shape)
-        colours = scale.colours(values if covered is None else shown(values, covered, _GUTTER))
-        image = results.image_for(obj, results.PICTURE, side, values.shape)
+    covered, sides = one.area > 0, []
+    for side, maps in one.sides():
+        sides.append(side)
+        colours = scale.colours(shown(maps[name], covered, _GUTTER))
+        image = results.image_for(obj, results.PICTURE, side, covered.shape)
         results.fill(image, colours / np.float32(255))
-    shading.show_pictures(obj, "sun", list(_kept(obj)["kinds"]), list(sides))
-    layers.note(obj, layers.Layer(scale.quantity, scale, footing))
+    shading.show_pictures(obj, "sun", [*_kept(obj)["kinds"], _AREA], sides)
+    marks = [layers.Mark(tuple(place), label) for place, label in json.loads(obj.get(_MARKS, "[]"))]
+    layers.note(obj, layers.Layer(scale.quantity, scale, footing, marks))
 
 
-def _covered(obj: bpy.types.Object, shape: tuple[int, ...]) -> NDArray[np.bool_] | None:
-    """Where the receiver's map has a surface (rows, columns); None where it has one everywhere."""
-    if _COVERED not in obj:
-        return None
-    packed = np.array(obj[_COVERED].to_list(), dtype=np.uint8)
-    return np.unpackbits(packed, count=shape[0] * shape[1]).reshape(shape).astype(bool)
+def mark(obj: bpy.types.Object, place: Iterable[float], label: str) -> None:
+    """Point out a place of a receiver, in its own coordinates, and no other."""
+    obj[_MARKS] = json.dumps([[list(place), label]])
+    layer = layers.layer_of(obj)
+    if layer is not None:
+        layers.note(obj, replace(layer, marks=[layers.Mark(tuple(place), label)]))
+
+
+def clear(scene: bpy.types.Scene) -> None:
+    """Take the study off the receivers."""
+    objects = staged_on(scene)
+    layers.clear(objects)
+    for obj in objects:
+        for key in (_MAPS, _MARKS):
+            obj.pop(key, None)
+    scene.pop(_FACTS, None)
 
 
 def _footing(facts: dict[str, Any]) -> list[str]:

@@ -5,15 +5,22 @@ scenes: weather, directions, trees of rays. A question is a study as that of a j
 the result alone, without pictures and report.
 """
 
+import dataclasses
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from .analysis import Answer
 from .errors import ParameterError
 from .progress import SILENT, Progress
+from .scene import Scene
 from .study import load_study
 
 _answers: dict[str, Answer] = {}
 """What answers each analysis, by its name."""
+_scenes: dict[str, Scene] = {}
+"""The scene that each analysis was last asked about."""
 
 
 def answer_study(path: Path, out: Path, *, progress: Progress = SILENT) -> None:
@@ -26,9 +33,36 @@ def answer_study(path: Path, out: Path, *, progress: Progress = SILENT) -> None:
     case = study.cases[0]
     if case.analysis.live is None:
         raise ParameterError(f"{case.analysis.name} does not answer live; run it as a job.")
-    answer = _answers.get(case.analysis.name) or case.analysis.live()
-    _answers[case.analysis.name] = answer
-    progress(0.0, case.analysis.name)
-    result = answer(case.scene, case.parameters)
+    name = case.analysis.name
+    progress(0.0, name)
+    answer = _answers[name] = _answers.get(name) or case.analysis.live()
+    scene = _scenes[name] = kept(case.scene, _scenes.get(name, Scene()))
+    result = answer(scene, case.parameters)
     out.mkdir(parents=True, exist_ok=True)
     result.save(out)
+
+
+def kept(scene: Scene, before: Scene) -> Scene:
+    """``scene`` with every thing that was the same ``before`` as the very object it was."""
+    return Scene(
+        _kept(scene.bodies, before.bodies),
+        _kept(scene.luminaires, before.luminaires),
+        _kept(scene.receivers, before.receivers),
+    )
+
+
+def _kept(things: tuple[Any, ...], before: tuple[Any, ...]) -> tuple[Any, ...]:
+    known = {thing.name: thing for thing in before}
+    return tuple(known[t.name] if _same(t, known.get(t.name)) else t for t in things)
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two values, arrays or records of them are equal."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, np.ndarray):
+        return np.array_equal(one, other)
+    if dataclasses.is_dataclass(one):
+        names = [field.name for field in dataclasses.fields(one)]
+        return all(_same(getattr(one, name), getattr(other, name)) for name in names)
+    return one == other

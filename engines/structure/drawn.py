@@ -4,7 +4,6 @@ import numpy as np
 
 from ..core.parameters import from_table
 from ..core.scene import Mesh, Scene, Vector
-from .bent import bent_members
 from .catalogue import sections_of
 from .fins import member_solids
 from .joints import node_normals
@@ -35,16 +34,19 @@ def drawn_sections(sized: Sized) -> Sections:
     return sections_of(families_of(record.rules), rows["family"], rows["section"])
 
 
-def worst_displacement(sized: Sized) -> Vector:
-    """Displacements (N, 6) in m and rad of the combination that moves a node farthest."""
-    moved = np.linalg.norm(sized.displacements[..., :3], axis=-1).max(axis=1)
-    return sized.displacements[int(moved.argmax())]
+def bent(sized: Sized, stations: int) -> tuple[Vector, Vector]:
+    """How the members go in the combination that moves one farthest: `fins.deformed` takes it.
+
+    Deflections (M, stations, 3) in m and the rotations (M, 2, 3) of the ends in rad, world axes.
+    """
+    turns = sized.displacements[sized.meta["worst"]][sized.model.frame.members, 3:]
+    return _resampled(sized.deflections, stations), turns
 
 
 def exaggeration(sized: Sized) -> float:
     """How many times too large displacements are drawn so that they are seen: 1, 2 or 5 · 10ⁿ."""
     size = np.ptp(sized.model.frame.nodes, axis=0).max()
-    most = np.linalg.norm(sized.displacements[..., :3], axis=-1).max()
+    most = np.linalg.norm(sized.deflections, axis=-1).max()
     if most <= 0:
         return 1.0
     wanted = _LOUD * size / most
@@ -60,12 +62,10 @@ def values_along(sized: Sized, stations: int) -> dict[str, Vector]:
     ``class``, EN 1993-1-1's, 0 for timber.
     """
     rows = sized.rows
-    along = np.linspace(0.0, 1.0, stations)
-    bent, _ = bent_members(sized.model.frame, worst_displacement(sized), along)
     return {
         "utilisation": rows["utilisation"][:, None],
         "stress": 1e-6 * _resampled(np.abs(sized.stress).max(axis=0), stations),
-        "displacement": 1e3 * np.linalg.norm(bent, axis=-1),
+        "displacement": 1e3 * np.linalg.norm(bent(sized, stations)[0], axis=-1),
         "material": (rows["material"] == "steel")[:, None].astype(float),
         "height": 1e2 * rows["height"][:, None],
         "class": sized.checked.section_class[:, None].astype(float),
@@ -73,8 +73,8 @@ def values_along(sized: Sized, stations: int) -> dict[str, Vector]:
 
 
 def _resampled(values: Vector, stations: int) -> Vector:
-    """``values`` (M, S), even along the members, at other stations (M, stations) between them."""
+    """``values`` (M, S, …), even along the members, at other stations (M, stations, …) between."""
     place = np.linspace(0.0, values.shape[1] - 1.0, stations)
     before = np.minimum(place.astype(int), values.shape[1] - 2)
-    share = place - before
+    share = (place - before).reshape(-1, *[1] * (values.ndim - 2))
     return (1 - share) * values[:, before] + share * values[:, before + 1]

@@ -15,7 +15,7 @@ _OUTSIDE = 1e6  # utilisation of what no code covers, infinite to the check
 FIRM = 10.0
 """Times the loads at which the whole buckles, from which on first-order theory will do: EN 1993-1-1
 5.2.1(3)."""
-_NAMED = 8  # members at most that a note names
+_NAMED = 5  # members at most that a note names
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ def figures_of(
     """Name → value and unit: mass, energy and carbon, use, displacement, convergence."""
     rows = result.rows
     steel = rows["material"] == "steel"
-    moved = np.linalg.norm(result.displacements[..., :3], axis=-1)
+    moved = np.linalg.norm(result.deflections, axis=-1)
     used = np.minimum(rows["utilisation"], _OUTSIDE)
     pieces = {(str(row["grade"]), str(row["name"])) for row in rows}
     numbers: dict[str, tuple[float, str]] = {

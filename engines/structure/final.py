@@ -21,7 +21,7 @@ from .response import Response
 from .second_order import solve_second_order
 from .sections import Sections
 from .service import service_of
-from .sized import MEMBER, Rows, Sized
+from .sized import BENT, MEMBER, Rows, Sized
 from .sizing import Chosen, rigidities_for
 from .tasks import Task
 from .vibration import carried_mass, natural_frequencies
@@ -59,7 +59,9 @@ def final_of(
     rows = _rows(model, task, chosen, checked, sections)
     frequencies, buckling = _modes(task, rigidities, first, combinations.factors[ultimate])
     stability = _stability(task, rigidities, first, ultimate, pattern)
+    bent, worst = _farthest(response)
     meta = meta | {
+        "worst": worst,
         "group_names": list(model.group_names),
         "model_notes": list(model.notes),
         "checks": list(checked.names),
@@ -75,6 +77,7 @@ def final_of(
         served,
         response.displacements,
         response.reactions,
+        bent,
         np.stack([demand.forces.min(axis=0), demand.forces.max(axis=0)]),
         stress_of(demand.forces, sections),
         frequencies,
@@ -84,6 +87,14 @@ def final_of(
     meta["figures"] = figures_of(result, chosen, stability)
     meta["notes"] = [*model.notes, *notes_on(result, chosen, rules, stability), *meta["notes"]]
     return result
+
+
+def _farthest(response: Response) -> tuple[Vector, int]:
+    """Where members go (M, BENT, 3) in m in the combination that moves one farthest, and which."""
+    moved = response.deflections(np.linspace(0.0, 1.0, BENT))
+    reach = np.linalg.norm(moved, axis=-1).reshape(len(moved), -1).max(axis=1)
+    worst = int(reach.argmax())
+    return moved[worst], worst
 
 
 def stress_of(forces: Vector, sections: Sections) -> Vector:

@@ -48,6 +48,12 @@ class Rules:
     utilisation: float = param(1.0, "", 0.05, 1.0, "Share of its resistance a member may use")
     second_order: bool = param(False, help="Forces by second-order theory, P-Δ and P-δ")
     service: bool = param(False, help="Stiffen the structure until its deflections are in limits")
+    stability: float = param(
+        0.0,
+        *("", 0.0, 100.0),
+        help="Times the loads at which the whole may buckle at the earliest, for which it is "
+        "stiffened; 0 does not ask",
+    )
     deflection: DeflectionLimits = nested(DeflectionLimits, "Limits of deflection")  # noqa: RUF009
     modes: int = param(
         *(0, "", 0, 50),

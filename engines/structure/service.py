@@ -1,4 +1,4 @@
-"""Deflection: what of its limits a structure uses, and making it stiff enough."""
+"""Stiffness: what of its limits of deflection a structure uses, and making it stiff enough."""
 
 from dataclasses import replace
 
@@ -7,6 +7,7 @@ import numpy as np
 from ..core.progress import SILENT, Progress, part
 from ..core.scene import Vector
 from .assembly import Pattern
+from .bracing import bracing_factors, weakest_mode
 from .candidates import Index
 from .checking import Checked
 from .choosing import Bounds, no_bounds
@@ -54,28 +55,27 @@ def size_stiff(
     pattern: Pattern,
     progress: Progress = SILENT,
 ) -> Chosen:
-    """As `size_members`, and stiff enough for the limits of deflection of the rules.
+    """As `size_members`, and stiff enough: for the rules' limits of deflection, and not to buckle.
 
     Members that bend too far between their ends get the stiffness that they lack. For what the
     structure does as a whole, stiffness goes where it does most for its mass: with strain energy U
     and mass w of a member in the worst combination, its EI grows by s √(U/w) where that is above 1,
     with s such that the energy falls part of the way that the deflection must (optimality criterion
-    of Berke and Venkayya 1974). Sections that suffice are then chosen again, and so on; it gives up
-    after turns that bring nothing, and the result says what is left.
+    of Berke and Venkayya 1974); against buckling it goes where the weakest mode has its energy.
+    Sections that suffice are then chosen again, and so on; it gives up after turns that bring
+    nothing, and the result says what is left.
     """
     chosen = size_members(task, start=start, pattern=pattern, progress=part(progress, 0.0, 0.3))
     bounds, least, idle = no_bounds(task), np.inf, 0
     for number in range(_MOST):
         rigidities = rigidities_for(task, chosen.sections)
         first = solve_frame(task.frame, rigidities, task.loads, pattern)
-        served = service_of(task, chosen.sections, first, pattern)
-        used = served.utilisation.max(initial=0.0)
+        used, factor = _lacking(task, chosen.sections, first, pattern)
         if used < _BETTER * least:
             least, idle = used, 0
         idle += 1
         if used <= 1 or idle > _PATIENCE:
             break
-        factor = _factors(task, first, served)
         needed = np.zeros_like(bounds.stiffness)
         np.maximum.at(needed, task.slot, rigidities.bending_y * factor)
         grown = np.zeros(len(needed), dtype=bool)
@@ -89,6 +89,26 @@ def size_stiff(
         )
         chosen = replace(sized, changes=chosen.changes + sized.changes)
     return chosen
+
+
+def _lacking(
+    task: Task, sections: Index, first: Response, pattern: Pattern
+) -> tuple[float, Vector]:
+    """How much more than it may is used of a limit, and by what EI of each member (M,) grows."""
+    rules, used, factor = task.rules, 0.0, np.ones(len(sections))
+    if rules.service:
+        served = service_of(task, sections, first, pattern)
+        used = float(served.utilisation.max(initial=0.0))
+        factor = _factors(task, first, served)
+    if rules.stability:
+        assert first.rigidities is not None
+        factors = task.combinations.of("ultimate").factors
+        least, energy = weakest_mode(task.frame, first.rigidities, first, factors)
+        short = rules.stability / least
+        used = max(used, short)
+        weight = first.rigidities.mass * first.lengths
+        factor = np.maximum(factor, bracing_factors(energy, weight, short**_PACE))
+    return used, factor
 
 
 def _factors(task: Task, first: Response, served: Checked) -> Vector:

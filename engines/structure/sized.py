@@ -31,6 +31,9 @@ MEMBER = np.dtype(
 sections, members of one ``slot`` share theirs; ``check``, ``combination`` and ``station`` say where
 it is used most. m, m², kg, J, kg of CO₂ equivalent."""
 
+BENT = 5
+"""Even stations of a member at which it is kept how far it moves."""
+
 Rows = NDArray[np.void]
 
 
@@ -40,10 +43,12 @@ class Sized:
 
     ``rows`` (M,) of MEMBER; ``checked``: every check of every member's strength and stability;
     ``served``: the limits of deflection, none where none was set. ``displacements`` and
-    ``reactions`` (K, N, 6) in m, rad, N and N·m, in the world's axes. ``forces`` (2, M, S, 6): the
-    least and the greatest of each section force at S stations, in local axes. ``stress`` (2, M, S)
-    in Pa: the least and the greatest elastic normal stress in the section. ``frequencies`` (n,) in
-    Hz and ``buckling`` (n,), the least critical load factors, are empty where they were not asked.
+    ``reactions`` (K, N, 6) in m, rad, N and N·m, in the world's axes. ``deflections`` (M, BENT, 3)
+    in m: where members go in the combination that moves one of them farthest, the one numbered
+    ``meta["worst"]``. ``forces`` (2, M, S, 6): the least and the greatest of each section force at
+    S stations, in local axes. ``stress`` (2, M, S) in Pa: the least and the greatest elastic normal
+    stress in the section. ``frequencies`` (n,) in Hz and ``buckling`` (n,), the least critical load
+    factors, are empty where they were not asked.
 
     ``meta``: figures, parameters, combinations as they are printed, families, seed, version,
     seconds, notes.
@@ -55,6 +60,7 @@ class Sized:
     served: Checked
     displacements: Vector
     reactions: Vector
+    deflections: Vector
     forces: Vector
     stress: Vector
     frequencies: Vector

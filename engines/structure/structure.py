@@ -12,6 +12,7 @@ from ..core.errors import SceneError
 from ..core.parameters import nested, param, to_table
 from ..core.progress import SILENT, Progress, part
 from ..core.scene import Mesh, Scene
+from ..core.threads import one_thread
 from .assembly import Pattern, pattern_of
 from .candidates import Index
 from .facade import Facade, facade_model
@@ -99,7 +100,8 @@ def design_model(
     chosen = size_task(task, start=begin, pattern=pattern, progress=report)
     progress(0.9, "Checking all of it")
     meta = {"parameters": to_table(record), "seed": seed, "version": VERSION, "notes": []}
-    result = final_of(model, task, chosen, pattern, meta)
+    with one_thread():
+        result = final_of(model, task, chosen, pattern, meta)
     result.meta["seconds"] = time.perf_counter() - began
     return result
 
@@ -107,10 +109,12 @@ def design_model(
 def size_task(task: Task, *, start: Index | None, pattern: Pattern, progress: Progress) -> Chosen:
     """Size as the rules say: with few sizes, stiff enough, or for strength alone."""
     given: dict[str, Any] = {"start": start, "pattern": pattern, "progress": progress}
-    size = size_stiff if task.rules.service else size_members
-    if task.rules.sizes:
-        return size_with_few(task, task.rules.sizes, size, **given)
-    return size(task, **given)
+    stiff = task.rules.service or task.rules.stability > 0
+    size = size_stiff if stiff else size_members
+    with one_thread():
+        if task.rules.sizes:
+            return size_with_few(task, task.rules.sizes, size, **given)
+        return size(task, **given)
 
 
 def model_of(record: Structure, scene: Scene) -> Model:

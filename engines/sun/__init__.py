@@ -2,6 +2,7 @@
 
 from ..core.analysis import Analysis
 from ..core.unwrap import unwrap
+from .daylight import Daylight, study_daylight
 from .drawing import draw
 from .live import LiveSun
 from .maps import QUANTITIES, SunMap, SunMaps
@@ -9,18 +10,30 @@ from .radiation import Radiation, study_radiation
 
 FORMS = ()
 SUN_RADIATION = Analysis(
-    "sun.radiation", Radiation, study_radiation, shows=SunMaps, draw=draw, unwrap=unwrap
+    "sun.radiation",
+    Radiation,
+    study_radiation,
+    shows=SunMaps,
+    draw=draw,
+    unwrap=unwrap,
+    live=lambda: LiveSun().radiation,
 )
-ANALYSES = (SUN_RADIATION,)
+SUN_DAYLIGHT = Analysis(
+    "sun.daylight", Daylight, study_daylight, shows=SunMaps, draw=draw, unwrap=unwrap
+)
+ANALYSES = (SUN_RADIATION, SUN_DAYLIGHT)
 
 __all__ = [
     "ANALYSES",
     "FORMS",
     "QUANTITIES",
+    "SUN_DAYLIGHT",
     "SUN_RADIATION",
+    "Daylight",
     "LiveSun",
     "Radiation",
     "SunMap",
     "SunMaps",
+    "study_daylight",
     "study_radiation",
 ]

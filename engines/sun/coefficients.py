@@ -6,7 +6,7 @@ paths that know nothing of each other, whose scatter tells the error.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,21 +18,23 @@ from .bounces import Dome, Start, Surroundings, escapes
 from .sensors import Sensors
 from .soup import CLOSE
 
-STRATA = 16
-"""Cells a side of the grid over the hemisphere: a sensor sends 256 paths in a round."""
-FEWEST, MOST = 8, 512
-"""Rounds: below 8 the error itself would be too uncertain; 512 are 131,072 paths a sensor."""
+STRATA = (32, 16)
+"""Cells a side of the grid over the hemisphere, for FEW sensors and for more: each sends as many
+paths squared in a round."""
+FEW = 1024
+FEWEST = 8
+"""Rounds: with fewer the error itself would be too uncertain."""
 BLOCK = 4096
 """Sensors at a time: a million paths a round, and 40 MB of coefficients at 577 patches."""
 
 
 @dataclass(frozen=True, slots=True)
 class Coefficients:
-    """What N sensors get of P patches, the ground the last, in lx for 1 cd/m², or W/m² for W/(m² sr).
+    """What N sensors get of P patches, the ground the last, in lx for 1 cd/m².
 
     ``straight`` (N, P) float32 comes through nothing but clear panes, ``scattered`` (N, P) off
     surfaces or through screens. ``value`` (N, K) is what K skies give, and ``error`` (N, K) its
-    standard error. ``rounds`` of STRATA² paths a sensor were traced.
+    standard error. There were ``rounds`` of strata² paths a sensor.
     """
 
     straight: NDArray[np.float32]
@@ -40,6 +42,22 @@ class Coefficients:
     value: Vector
     error: Vector
     rounds: int
+    strata: int
+
+    @property
+    def paths(self) -> int:
+        """Followed from each sensor."""
+        return self.rounds * self.strata**2
+
+    def some(self, rows: slice) -> "Coefficients":
+        """Those of some of the sensors."""
+        return replace(
+            self,
+            straight=self.straight[rows],
+            scattered=self.scattered[rows],
+            value=self.value[rows],
+            error=self.error[rows],
+        )
 
     @property
     def both(self) -> NDArray[np.float32]:
@@ -58,12 +76,13 @@ class Sought:
 
     ``skies`` (2, P, K): the luminances of the patches, for what comes straight and for what is
     scattered. There are rounds until the 95 % half-width of the first sky's light, ÷ its mean over
-    the sensors, is at most ``error`` (root mean square over the sensors), or until ``most``.
+    the sensors, is at most ``error`` (root mean square over the sensors), or until a sensor has
+    sent ``paths``; FEWEST in any case.
     """
 
     skies: Vector
     error: float
-    most: int = MOST
+    paths: int = 1 << 17
 
 
 def daylight_coefficients(
@@ -83,8 +102,9 @@ def daylight_coefficients(
     same ``seed`` gives the same coefficients. Raises RuntimeMissing where nothing can be traced,
     Cancelled.
     """
-    start = _start(around, sensors)
     count = len(sensors)
+    few = count <= FEW and sought.paths >= FEWEST * STRATA[0] ** 2
+    start = _start(around, sensors, STRATA[0] if few else STRATA[1])
     total = np.zeros((count, 2, dome.count))
     first = np.zeros((count, sought.skies.shape[2]))
     square = np.zeros_like(first)
@@ -99,7 +119,7 @@ def daylight_coefficients(
         square += light**2
         rounds += 1
         if rounds == needed:
-            needed = _needed(first, square, rounds, sought)
+            needed = _needed(first, square, rounds, sought, start.strata)
     mean = first / rounds
     variance = np.maximum(square / rounds - mean**2, 0.0) / (rounds - 1)
     total /= rounds
@@ -109,6 +129,7 @@ def daylight_coefficients(
         mean,
         np.sqrt(variance),
         rounds,
+        start.strata,
     )
 
 
@@ -125,14 +146,14 @@ def open_patches(dome: Dome) -> Vector:
     return np.append(np.repeat(share, rows), 0.0)
 
 
-def _start(around: Surroundings, sensors: Sensors) -> Start:
+def _start(around: Surroundings, sensors: Sensors, strata: int) -> Start:
     points = sensors.points - around.soup.centre
     reach = max(around.soup.reach, float(np.abs(points).max(initial=0.0)))
     origins = points + max(sensors.offset, 2 * CLOSE * reach) * sensors.normals
-    return Start(origins.astype(np.float32), sensors.normals.astype(np.float32), STRATA)
+    return Start(origins.astype(np.float32), sensors.normals.astype(np.float32), strata)
 
 
-def _needed(first: Vector, square: Vector, rounds: int, sought: Sought) -> int:
+def _needed(first: Vector, square: Vector, rounds: int, sought: Sought, strata: int) -> int:
     """How many rounds there must be in all, as far as these ones tell."""
     mean = first[:, 0] / rounds
     variance = np.maximum(square[:, 0] / rounds - mean**2, 0.0) / (rounds - 1)
@@ -141,4 +162,5 @@ def _needed(first: Vector, square: Vector, rounds: int, sought: Sought) -> int:
         return rounds
     reached = 1.96 * np.sqrt(variance.mean()) / level
     more = (reached / sought.error) ** 2
-    return min(max(rounds, int(np.ceil(rounds * min(more, 1e6)))), max(sought.most, rounds))
+    most = max(sought.paths // strata**2, rounds)
+    return int(np.clip(np.ceil(rounds * min(more, 1e6)), rounds, most))

@@ -1,6 +1,5 @@
 """Pictures of a sun study: its maps in false colour, and how the period went."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,14 +7,13 @@ import numpy as np
 from ..core.colour import ColourScale, Display, scale_for
 from ..core.picture import false_colour_png
 from .maps import QUANTITIES, SunMap, SunMaps
-from .temporal import save_temporal
+from .temporal import save_hours
 
 
 def draw(result: SunMaps, folder: Path, display: Display) -> list[str]:
-    """Write a picture a map and side, and the temporal maps of the means; returns their names.
+    """Write a picture a map and side on `scale_of`, and `save_hours`; returns their names.
 
-    Shares are on a scale to 1 or 100 %; the maps of one quantity share a scale, and “total” has
-    that of “open”. Raises FileError where they cannot be written.
+    Raises FileError where they cannot be written.
     """
     files = []
     for index, one in enumerate(result.maps):
@@ -30,26 +28,22 @@ def draw(result: SunMaps, folder: Path, display: Display) -> list[str]:
                 scale = scale_of(result, name, display)
                 note = f"{summary(one, name, unit)}, {result.meta['period']}"
                 false_colour_png(folder / files[-1], values, scale, heading, note)
-    for name in result.hourly:
-        files.append(f"hours {name}.png")
-        save_temporal(folder / files[-1], result, name, display)
-    return files
+    return [*files, *save_hours(folder, result, display)]
 
 
 def scale_of(result: SunMaps, name: str, display: Display) -> ColourScale:
     """The scale of one map's name, the same for all receivers.
 
-    Shares reach from 0 to 1, per cent to 100, sun hours start at 0, all evenly spaced; irradiation
-    with and without buildings is on one scale, that of the latter.
+    Per cent reach to 100; these, shares and hours are evenly spaced. Irradiation with and without
+    buildings is on one scale, that of the latter.
     """
     title, unit, _ = QUANTITIES[name]
-    if not unit or unit == "%":
-        most = 1.0 if not unit else 100.0
-        return ColourScale(0.0, most, False, display.palette, title, unit)
+    if unit == "%":
+        return ColourScale(0.0, 100.0, False, display.palette, title, unit)
     shown = "open" if name == "total" and "open" in result.maps[0].maps else name
     values = np.concatenate([one.maps[shown].ravel() for one in result.maps])
-    if unit == "h":
-        display = replace(display, log=False)
+    if unit in ("", "h"):
+        return ColourScale.automatic(values, False, display.palette, title, unit)
     return scale_for(values, display, title, unit)
 
 

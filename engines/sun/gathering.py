@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.progress import SILENT, Progress, part
 from ..core.scene import Vector
@@ -23,15 +24,24 @@ class Gathered:
     """What N sensors have of a period.
 
     ``direct`` and ``diffuse`` (N,) in kWh/m²; ``hours`` (N,): how long they see the sun, be it
-    through glass. ``means`` (D,): what arrives of the light from each direction, visibility ×
-    cosine, as a mean over the sensors by area. ``notes``: what a reader must know.
+    through glass. ``arriving`` (D, 3): visibility × normal for each direction, as a mean over the
+    sensors by area. ``notes``: what a reader must know.
     """
 
     direct: Vector
     diffuse: Vector
     hours: Vector
-    means: Vector
+    arriving: Vector
     notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Free:
+    """What N sensors have without any body: ``irradiation`` (N,) in kWh/m², direct and diffuse
+    together, and ``arriving`` (D, 3) as in `Gathered`."""
+
+    irradiation: Vector
+    arriving: Vector
 
 
 def gather(
@@ -43,7 +53,7 @@ def gather(
     """
     count, columns = len(sensors), len(sources.directions)
     areas = weights_of(sensors)
-    out, means = np.empty((3, count)), np.zeros(columns)
+    out, arriving = np.empty((3, count)), np.zeros((columns, 3))
     any_seen = np.zeros((count, 1), np.uint8)
     step = max(1, _RAYS // max(columns, 1))
     for start in range(0, count, step):
@@ -51,47 +61,48 @@ def gather(
         within = part(progress, start / count, rows.stop / count)
         seen = visible(occluders, sensors.some(rows), sources.directions, progress=within)
         out[:, rows], some = summed(seen, areas[rows], sources)
-        means += some
+        arriving += some
         any_seen[rows, 0] = seen.seen.any(axis=1)
     found = blind(occluders, rays_of(occluders, sensors, sources.directions), any_seen)
     notes = (*sensors.notes, *found.told(), *panes.told(occluders.panes))
-    return Gathered(*out, means, notes)
+    direct, diffuse, hours = out
+    return Gathered(direct, diffuse, hours, arriving, notes)
 
 
 def gathered(seen: Visibility, sensors: Sensors, sources: Sources) -> Gathered:
     """`gather` where it is known what the sensors see."""
-    out, means = summed(seen, weights_of(sensors), sources)
-    return Gathered(*out, means, seen.notes)
+    (direct, diffuse, hours), arriving = summed(seen, weights_of(sensors), sources)
+    return Gathered(direct, diffuse, hours, arriving, seen.notes)
 
 
 def summed(seen: Visibility, areas: Vector, sources: Sources) -> tuple[Vector, Vector]:
-    """Direct, diffuse and hours (3, N), and Σ (D,) over the sensors of area × what arrives."""
+    """Direct, diffuse and hours (3, N); Σ (D, 3) over the sensors of area × what arrives."""
     energy = seen.dot(np.stack([sources.direct, sources.diffuse], axis=1))
     hours = replace(seen, through=None).dot(sources.hours, cosine=False)
     return np.stack([*energy.T, hours]), column_sums(seen, areas)
 
 
-def unobstructed(sensors: Sensors, sources: Sources) -> tuple[Vector, Vector]:
-    """Direct and diffuse together (N,) in kWh/m² without any body, and `Gathered.means` (D,)."""
-    light = sources.direct + sources.diffuse
+def unobstructed(sensors: Sensors, sources: Sources) -> Free:
+    """What the sensors have in an open field: all that is in front of them, by its cosine."""
+    light = (sources.direct + sources.diffuse).astype(np.float32)
     areas = weights_of(sensors)
     normals, which = _distinct(sensors.normals)
-    shares = np.bincount(which, areas, minlength=len(normals))
-    total, means = np.empty(len(normals)), np.zeros(len(light))
+    vectors = np.bincount(which, areas, minlength=len(normals))[:, None] * normals
+    total, arriving = np.empty(len(normals)), np.zeros((3, len(light)))
     step = max(1, 8 * _BLOCK // max(len(light), 1))
+    towards = np.ascontiguousarray(sources.directions.T, np.float32)
     for start in range(0, len(normals), step):
         rows = slice(start, start + step)
-        cosines = (normals[rows] @ sources.directions.T).astype(np.float32)
-        cosines[cosines <= GRAZING] = 0
-        total[rows] = cosines @ light.astype(np.float32)
-        means += shares[rows].astype(np.float32) @ cosines
-    return total[which], means
+        cosines = normals[rows].astype(np.float32) @ towards
+        front = cosines > GRAZING
+        total[rows] = np.where(front, cosines, 0) @ light
+        arriving += vectors[rows].T.astype(np.float32) @ front.astype(np.float32)
+    return Free(total[which], arriving.T)
 
 
 def column_sums(seen: Visibility, areas: Vector) -> Vector:
-    """Σ (D,) over the sensors of area × what they see of each direction × its cosine."""
+    """Σ (D, 3) over the sensors of area × what they see of each direction × their normal."""
     columns = len(seen.directions)
-    # The sum of area · cosine is the direction times the sum of area · normal.
     vectors = (areas[:, None] * seen.normals).T.astype(np.float32)
     total = np.zeros((3, columns))
     step = max(1, _BLOCK // max(columns, 1))
@@ -102,7 +113,7 @@ def column_sums(seen: Visibility, areas: Vector) -> Vector:
             values *= seen.through[rows]
             values /= bits.FULL
         total += vectors[:, rows] @ values
-    return np.einsum("id,di->d", total, seen.directions)
+    return total.T
 
 
 def weights_of(sensors: Sensors) -> Vector:
@@ -111,11 +122,10 @@ def weights_of(sensors: Sensors) -> Vector:
     return areas / max(areas.sum(), 1e-300)
 
 
-def _distinct(normals: Vector) -> tuple[Vector, np.ndarray]:
+def _distinct(normals: Vector) -> tuple[Vector, NDArray[np.int64]]:
     """The normals that there are, and which of them each sensor has."""
     if len(normals) and (normals == normals[0]).all():
         return normals[:1], np.zeros(len(normals), np.int64)
-    found, first, which = np.unique(
-        np.round(normals, 7), axis=0, return_index=True, return_inverse=True
-    )
+    rounded = np.round(normals, 7)
+    _, first, which = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     return normals[first], which.reshape(-1)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..core.errors import SceneError
 from ..core.parameters import digest
 from ..core.scene import Receiver, Scene, Surface, Vector
-from .gathering import gathered
+from .gathering import Free, Gathered, gather, gathered, unobstructed
 from .maps import SunMaps, figures_of, quantities_of
 from .occlusion import Occluders, bodies_of
 from .radiation import (
@@ -25,8 +25,7 @@ from .radiation import (
 )
 from .remembered import Remembered
 from .sensors import Sensors, joined
-from .site import Site
-from .visibility import visible
+from .visibility import require_room, visible
 from .weights import Sources
 
 
@@ -42,22 +41,29 @@ class LiveSun:
         self._moving = moving
         self._occluders: Occluders | None = None
         self._remembered = Remembered()
-        self._lit: tuple[Any, tuple[Sources, str, Site]] | None = None
+        self._lit: tuple[Any, Sources] | None = None
         self._sensors: dict[int, tuple[Receiver | Surface, Sensors]] = {}
+        self._free: tuple[Sensors, Sources, Free] | None = None
         self._joined: tuple[tuple[Sensors, ...], Sensors] | None = None
 
     def radiation(self, scene: Scene, record: Radiation, *, hourly: bool = False) -> SunMaps:
-        """As `study_radiation`, whose errors it raises; without hourly means unless asked for."""
+        """As `study_radiation`, whose errors it raises, but without what bodies reflect.
+
+        There are hourly means only where they are asked for.
+        """
         started = time.perf_counter()
-        sources, source, site = self._light(record)
+        sources = self._light(record)
         parts = self._parts(scene)
         occluders = self._placed(scene)
         sensors = self._together(parts)
-        seen = self._remembered.visible(occluders, sensors, sources.directions)
-        found = gathered(seen, sensors, sources)
-        maps, arriving = maps_of(scene, parts, sources, found, record)
-        means = course_of(sources, arriving) if hourly else {}
-        meta = meta_of(record, site, source, sources, [*found.notes, *looking_down(scene, parts)])
+        found = self._gathered(occluders, sensors, sources)
+        free = self._open(sensors, sources) if record.open else None
+        maps = maps_of(scene, parts, found, free)
+        means = course_of(sources, found.arriving, free) if hourly else {}
+        notes = [*found.notes, *looking_down(scene, parts)]
+        if record.bounces:
+            notes.append("What bodies reflect is left out while the study is live.")
+        meta = meta_of(record, sources, notes)
         meta |= {"figures": figures_of(maps), "quantities": quantities_of(maps), "seed": 0}
         meta["seconds"] = time.perf_counter() - started
         return SunMaps(maps, sources.times if hourly else sources.times[:0], means, meta)
@@ -70,21 +76,36 @@ class LiveSun:
         ``texel``: (row, column), or (side, row, column) where both sides gather. Raises SceneError
         where no sensor is.
         """
-        sources, _, _ = self._light(record)
+        sources = self._light(record)
         names = [r.name for r in scene.receivers]
         if receiver not in names:
             raise SceneError(f"There is no receiver “{receiver}”; pick a sensor of {names}.")
         sensors = self._parts(scene)[names.index(receiver)]
-        home = int(np.ravel_multi_index(texel, sensors.shape))
+        there = len(texel) == len(sensors.shape) and np.less(texel, sensors.shape).all()
+        home = int(np.ravel_multi_index(texel, sensors.shape)) if there else -1
         found = np.flatnonzero(sensors.home == home)
         if not len(found):
             raise SceneError(f"“{receiver}” has no sensor at {texel}; pick another place.")
         one = sensors.some(found)
         seen = visible(self._placed(scene), one, sources.directions).values()[0]
-        cosines = np.maximum(sources.directions @ one.normals[0], 0.0)
-        return sources.times, course_of(sources, {"built": seen * cosines, "open": cosines})
+        free = unobstructed(one, sources)
+        return sources.times, course_of(sources, np.outer(seen, one.normals[0]), free)
 
-    def _light(self, record: Radiation) -> tuple[Sources, str, Site]:
+    def _gathered(self, occluders: Occluders, sensors: Sensors, sources: Sources) -> Gathered:
+        """From what is remembered of the sensors, unless they are too many for that."""
+        try:
+            require_room(occluders, len(sensors), len(sources.directions))
+        except SceneError:
+            return gather(occluders, sensors, sources)
+        seen = self._remembered.visible(occluders, sensors, sources.directions)
+        return gathered(seen, sensors, sources)
+
+    def _open(self, sensors: Sensors, sources: Sources) -> Free:
+        if self._free is None or self._free[0] is not sensors or self._free[1] is not sources:
+            self._free = sensors, sources, unobstructed(sensors, sources)
+        return self._free[2]
+
+    def _light(self, record: Radiation) -> Sources:
         file = Path(record.weather_file)
         stamp = file.stat().st_mtime_ns if record.weather_file and file.exists() else 0
         key = digest(record), stamp
@@ -95,18 +116,16 @@ class LiveSun:
     def _parts(self, scene: Scene) -> tuple[Sensors, ...]:
         if not scene.receivers:
             return sensors_in(scene)
-        kept = {}
-        for receiver in scene.receivers:
-            before = self._sensors.get(id(receiver))
-            known = before is not None and before[0] is receiver
-            kept[id(receiver)] = before if known else (receiver, sensors_on(receiver))
-        self._sensors = kept
-        return tuple(sensors for _, sensors in kept.values())
+        kept = [self._sensors.get(id(r), (None, None)) for r in scene.receivers]
+        fresh = [
+            (receiver, sensors if sensors and before is receiver else sensors_on(receiver))
+            for receiver, (before, sensors) in zip(scene.receivers, kept, strict=True)
+        ]
+        self._sensors = {id(receiver): (receiver, sensors) for receiver, sensors in fresh}
+        return tuple(sensors for _, sensors in fresh)
 
     def _together(self, parts: tuple[Sensors, ...]) -> Sensors:
-        if self._joined is None or any(
-            a is not b for a, b in zip(self._joined[0], parts, strict=False)
-        ) or len(self._joined[0]) != len(parts):
+        if self._joined is None or list(map(id, self._joined[0])) != list(map(id, parts)):
             self._joined = parts, joined(*parts)
         return self._joined[1]
 

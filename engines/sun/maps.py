@@ -25,9 +25,11 @@ QUANTITIES: dict[str, tuple[str, str, str]] = {
     "shading": ("Shading", "", "What share of the irradiation in an open field is kept off."),
     "daylight_factor": ("Daylight factor", "%", "Illuminance over that outdoors, overcast."),
     "illuminance": ("Illuminance", "lx", "The mean over the period."),
+    "open_illuminance": ("Illuminance without buildings", "lx", "The same in an open field."),
     "daylight_autonomy": ("Daylight autonomy", "%", "Share of the hours that reach the target."),
     "continuous_autonomy": ("Continuous autonomy", "%", "The same, with part of it for part."),
     "udi_low": ("Too dark", "%", "Share of the hours with too little to be useful."),
+    "udi_supplementary": ("Dim", "%", "Share of the hours in which lamps help."),
     "udi_useful": ("Useful daylight", "%", "Share of the hours with useful illuminance."),
     "udi_high": ("Too bright", "%", "Share of the hours with more than is useful."),
     "direct_hours": ("Hours of direct sun", "h", "Hours with more than 1000 lx from the sun."),
@@ -78,7 +80,7 @@ class SunMaps:
     """The maps of all receivers, in their order, and how the period went.
 
     ``times`` (T,) datetime64[s], UTC: the middles of the intervals that count. ``hourly``: name of
-    `tables.HOURLY` → (T,) float64, means over all sensors by area; empty where they were not asked for.
+    `tables.HOURLY` → (T,) float64, means over all sensors by area; empty where not asked for.
 
     ``meta`` says figures (name → value and unit), quantities (name → title and unit), parameters,
     site, source (of the weather), period, notes, seed, version and seconds.

@@ -96,7 +96,7 @@ class Occluders:
 def bodies_of(scene: Scene) -> tuple[Body, ...]:
     """A scene's bodies, and its receivers as bodies that block light as well."""
     matte = Material(kind="diffuse")
-    return (*scene.bodies, *(Body(r.name, _mesh_of(r), matte) for r in scene.receivers))
+    return (*scene.bodies, *(Body(r.name, mesh_of(r), matte) for r in scene.receivers))
 
 
 def is_pane(material: Material) -> bool:
@@ -114,7 +114,7 @@ def _check(body: Body) -> None:
         )
 
 
-def _mesh_of(receiver: Receiver | Surface) -> Mesh:
+def mesh_of(receiver: Receiver | Surface) -> Mesh:
     if isinstance(receiver, Receiver):
         o, u, v = receiver.origin, receiver.u, receiver.v
         return Mesh(np.array([o, o + u, o + u + v, o + v]), np.array([[0, 1, 2, 3]], np.int32))

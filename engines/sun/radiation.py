@@ -3,7 +3,7 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,11 @@ from ..core.errors import SceneError
 from ..core.parameters import nested, param, to_table
 from ..core.progress import SILENT, Progress, part
 from ..core.scene import Receiver, Scene, Surface, Vector
-from .gathering import Gathered, gather, unobstructed
+from .gathering import Free, Gathered, gather, unobstructed
 from .maps import SunMap, SunMaps, figures_of, quantities_of
 from .occlusion import Occluders, bodies_of
 from .periods import Period, period_text
+from .reflected import Reflected, reflect
 from .sensors import Sensors, joined, of_receiver
 from .site import Site
 from .weights import Sources, sources_of, weather_of
@@ -42,6 +43,10 @@ class Radiation:
     ground_reflectance: float = param(
         0.2, "", 0.0, 1.0, "Share of light that the open ground returns"
     )
+    bounces: int = param(0, "", 0, 16, "Reflections after which light is given up; 0: none")
+    error: float = param(
+        0.05, "", 0.001, 1.0, "95 % half-width ÷ mean of what is reflected, over the sensors"
+    )
     open: bool = param(True, help="Also what there would be without any building")
 
 
@@ -52,30 +57,44 @@ def study_radiation(
 
     Each texel gathers what its middle sees of the suns of every interval, of the sky after Perez
     in patches, and of the ground around; bodies and receivers block, panes let part of it through.
-    Nothing here is random: ``seed`` only goes into the result.
+    Only what they reflect, where there are ``bounces``, depends on the ``seed``.
 
     Raises SceneError for a scene without a receiver, or with a body or a receiver that has no
     faces; ParameterError, FileError as `weather_of` and `sources_of`; RuntimeMissing; Cancelled.
     """
     started = time.perf_counter()
     progress(0.0, "Reading the weather")
-    sources, source, site = light_of(record)
+    sources = light_of(record)
     parts = sensors_in(scene)
     occluders = Occluders(bodies_of(scene))
-    found = gather(occluders, joined(*parts), sources, part(progress, 0.05, 0.9))
+    sensors = joined(*parts)
+    traced = part(progress, 0.05, 0.4 if record.bounces else 0.9)
+    found = gather(occluders, sensors, sources, traced)
+    thrown = None
+    if record.bounces:
+        thrown = reflect(
+            *(scene, sensors, sources, record.bounces, record.error),
+            seed=seed,
+            progress=part(progress, 0.4, 0.9),
+        )
     progress(0.9, "Summing the hours")
-    maps, arriving = maps_of(scene, parts, sources, found, record)
-    hourly = course_of(sources, arriving)
-    meta = meta_of(record, site, source, sources, [*found.notes, *looking_down(scene, parts)])
+    free = unobstructed(sensors, sources) if record.open else None
+    maps = maps_of(scene, parts, found, free, thrown)
+    hourly = course_of(sources, found.arriving, free)
+    notes = [*found.notes, *looking_down(scene, parts)]
+    if thrown:
+        hourly["reflected"] = thrown.course
+        notes += [*thrown.notes, said_of(thrown, record)]
+    meta = meta_of(record, sources, notes)
     meta |= {"figures": figures_of(maps), "quantities": quantities_of(maps), "seed": seed}
     meta["seconds"] = time.perf_counter() - started
     return SunMaps(maps, sources.times, hourly, meta)
 
 
-def light_of(record: Radiation) -> tuple[Sources, str, Site]:
-    """The period's light, what the weather is from, and where that is."""
+def light_of(record: Radiation) -> Sources:
+    """The light of the record's period, where it says."""
     weather, site = weather_of(record.site, record.weather_file, record.suns_per_hour)
-    sources = sources_of(
+    return sources_of(
         weather,
         site,
         record.period,
@@ -83,7 +102,6 @@ def light_of(record: Radiation) -> tuple[Sources, str, Site]:
         accuracy=record.accuracy,
         ground_reflectance=record.ground_reflectance,
     )
-    return sources, weather.source, site
 
 
 def sensors_in(scene: Scene) -> tuple[Sensors, ...]:
@@ -96,54 +114,61 @@ def sensors_in(scene: Scene) -> tuple[Sensors, ...]:
 def maps_of(
     scene: Scene,
     parts: Sequence[Sensors],
-    sources: Sources,
     found: Gathered,
-    record: Radiation,
-) -> tuple[tuple[SunMap, ...], dict[str, Vector]]:
-    """The maps of each receiver; and of each kind, "built" and "open", `Gathered.means` (D,).
+    free: Free | None = None,
+    thrown: Reflected | None = None,
+) -> tuple[SunMap, ...]:
+    """The maps of each receiver; “open” and “shading” where ``free`` is known.
 
-    ``parts``: the sensors of each receiver, those of all of them in ``found`` in this order.
+    ``parts``: the sensors of each receiver; those of all of them in this order are the N of
+    ``found``, of ``free``, what they have `unobstructed`, and of ``thrown``.
     """
-    values = {
-        "sun_hours": found.hours,
-        "direct": found.direct,
-        "diffuse": found.diffuse,
-        "total": found.direct + found.diffuse,
-    }
-    means = {"built": found.means}
-    if record.open:
-        free, means["open"] = unobstructed(joined(*parts), sources)
-        values["open"] = free
-        lit = free > 0
-        kept = np.divide(values["total"], free, out=np.full_like(free, np.nan), where=lit)
+    values = {"sun_hours": found.hours, "direct": found.direct, "diffuse": found.diffuse}
+    total = found.direct + found.diffuse
+    if thrown:
+        values["reflected"] = thrown.irradiation
+        total = total + thrown.irradiation
+    values["total"] = total
+    if free:
+        values["open"] = free.irradiation
+        lit = free.irradiation > 0
+        kept = np.divide(total, free.irradiation, out=np.full_like(total, np.nan), where=lit)
         values["shading"] = 1 - kept
     ends = np.cumsum([len(part) for part in parts])
     maps = []
     for receiver, sensors, end in zip(scene.receivers, parts, ends.tolist(), strict=True):
         rows = slice(end - len(sensors), end)
-        own = {n: sensors.spread(v[rows].astype(np.float32)) for n, v in values.items()}
-        maps.append(SunMap(receiver.name, own, _areas(receiver, sensors)))
-    return tuple(maps), means
+        own = {name: spread(sensors, some[rows]) for name, some in values.items()}
+        maps.append(SunMap(receiver.name, own, areas_of(receiver, sensors)))
+    return tuple(maps)
 
 
-def course_of(sources: Sources, means: dict[str, Vector]) -> dict[str, Vector]:
-    """The hourly means (T,) over the sensors in W/m², of what `maps_of` found to arrive."""
-    direct, diffuse = sources.course(np.stack(list(means.values()), axis=1))
-    hourly = {"direct": direct[:, 0], "diffuse": diffuse[:, 0]}
-    if "open" in means:
-        hourly["open"] = direct[:, 1] + diffuse[:, 1]
+def course_of(sources: Sources, arriving: Vector, free: Free | None) -> dict[str, Vector]:
+    """Direct, diffuse and open irradiance (T,) in W/m², by what is ``arriving`` (D, 3)."""
+    kinds = [arriving, free.arriving] if free else [arriving]
+    direct, diffuse = sources.course(np.stack(kinds))
+    hourly = {"direct": direct[0], "diffuse": diffuse[0]}
+    if free:
+        hourly["open"] = direct[1] + diffuse[1]
     return hourly
 
 
-def meta_of(
-    record: Radiation, site: Site, source: str, sources: Sources, notes: Sequence[str]
-) -> dict[str, Any]:
+def said_of(thrown: Reflected, record: Radiation) -> str:
+    """How well what is reflected is known."""
+    return (
+        f"Light is given up after {record.bounces} reflections; what is reflected is known to "
+        f"{100 * thrown.error:.2g} % (95 %), its sun from the sky's patches, "
+        f"{12 / record.subdivision:g}° wide."
+    )
+
+
+def meta_of(record: Radiation, sources: Sources, notes: Sequence[str]) -> dict[str, Any]:
     """What is known of a result but for its figures, its seed and how long it took."""
     return {
         "kind": "radiation",
         "parameters": to_table(record),
-        "site": to_table(site),
-        "source": source,
+        "site": to_table(sources.site),
+        "source": sources.source,
         "period": period_text(record.period),
         "suns": len(sources.suns.directions),
         "patches": len(sources.patches.directions),
@@ -152,6 +177,11 @@ def meta_of(
         "notes": list(dict.fromkeys([*sources.notes, *notes])),
         "version": VERSION,
     }
+
+
+def spread(sensors: Sensors, values: Vector, fill: float = np.nan) -> NDArray[np.float32]:
+    """``values`` (N,) of a receiver's sensors on its map."""
+    return cast(NDArray[np.float32], sensors.spread(values.astype(np.float32), fill))
 
 
 def looking_down(scene: Scene, parts: Sequence[Sensors]) -> list[str]:
@@ -171,7 +201,7 @@ def sensors_on(receiver: Receiver | Surface) -> Sensors:
     return sensors
 
 
-def _areas(receiver: Receiver | Surface, sensors: Sensors) -> NDArray[np.float32]:
+def areas_of(receiver: Receiver | Surface, sensors: Sensors) -> NDArray[np.float32]:
     """What each texel stands for (rows, columns), 0 where there is no sensor."""
-    areas = sensors.spread(sensors.areas.astype(np.float32), 0.0)
+    areas = spread(sensors, sensors.areas, 0.0)
     return areas if receiver.sides == "front" else areas[0]

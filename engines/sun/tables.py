@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 from ..core.files import written
 from ..core.scene import Vector
 from ..core.table import save_csv
+from .weather import seconds
 
 HOURLY: dict[str, tuple[str, str]] = {
     "direct": ("Direct", "W/m²"),
     "diffuse": ("Diffuse", "W/m²"),
+    "reflected": ("Reflected", "W/m²"),
     "open": ("Without buildings", "W/m²"),
     "illuminance": ("Illuminance", "lx"),
 }
@@ -34,8 +36,8 @@ def save_hourly(
     A row an interval: its middle (T,), UTC, by the clock of the ``meta``'s site, and the means (T,)
     over the sensors, named as in `HOURLY`. Raises FileError where it cannot be written.
     """
-    offset = np.timedelta64(round(3600 * meta["site"]["utc_offset"]), "s")
-    local = np.datetime_as_string(times.astype("datetime64[s]") + offset, unit="m")
+    local = times.astype("datetime64[s]") + seconds(3600 * meta["site"]["utc_offset"])
+    local = np.datetime_as_string(local.astype("datetime64[m]"))
     columns = {"Middle of the interval": np.char.replace(local, "T", " ")}
     columns |= {f"{HOURLY[n][0]} ({HOURLY[n][1]})": values for n, values in hourly.items()}
     about = {"title": "Means over the sensors", **{k: meta[k] for k in ("source", "period")}}

@@ -10,15 +10,16 @@ from PIL import Image, ImageDraw, ImageFont
 
 from ..core.colour import ColourScale, Display, scale_for
 from ..core.files import written
-from ..core.picture import legend_image
+from ..core.picture import Curve, legend_image, section_png
 from ..core.scene import Vector
 from .maps import SunMaps
 from .tables import HOURLY
+from .weather import seconds
 
 _PAPER, _INK, _QUIET = (255, 255, 255), (28, 32, 36), (96, 103, 110)
 _WIDE, _HIGH, _GAP, _TEXT = 1095, 480, 28, 18  # pixels
 _EVERY = 3  # hours between labels
-_MONTHS = "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec".split()
+_MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,38 +34,58 @@ class Temporal:
     values: Vector
 
 
-def temporal_map(
-    times: NDArray[np.datetime64], values: Vector, utc_offset: float
-) -> Temporal:
+def temporal_map(times: NDArray[np.datetime64], values: Vector, utc_offset: float) -> Temporal:
     """``values`` (T,) at ``times`` (T,), UTC, as a map for a clock ``utc_offset`` hours ahead.
 
-    A day has as many rows as intervals of the shortest step between two times.
+    A day has a row an interval, which is a whole part of an hour.
     """
-    local = times.astype("datetime64[s]") + np.timedelta64(round(3600 * utc_offset), "s")
+    local = times.astype("datetime64[s]") + seconds(3600 * utc_offset)
     days = local.astype("datetime64[D]")
-    steps = np.diff(local).astype(np.int64)
-    step = int(steps.min(initial=3600))
-    row = (local - days).astype(np.int64) // step
-    first = days.min()
-    span = np.arange(first, days.max() + 1)
-    grid = np.full((-(-86400 // step), len(span)), np.nan)
-    grid[row, (days - first).astype(np.int64)] = values
+    shortest = float(np.diff(local).astype(np.int64).min(initial=3600))
+    rows = 24 * max(1, round(3600 / shortest))
+    row = (local - days).astype(np.int64) * rows // 86400
+    span = np.arange(days.min(), days.max() + 1)
+    grid = np.full((rows, len(span)), np.nan)
+    grid[row, (days - span[0]).astype(np.int64)] = values
     return Temporal(span, grid)
 
 
-def save_temporal(path: Path, result: SunMaps, name: str, display: Display) -> None:
-    """Write a temporal map of a result's hourly mean as PNG. Raises FileError."""
-    title, unit = HOURLY[name]
+def save_hours(folder: Path, result: SunMaps, display: Display) -> list[str]:
+    """Write a temporal map of each hourly mean, of a single day its course; returns their names.
+
+    Raises FileError where they cannot be written.
+    """
+    if not len(result.times):
+        return []
     offset = result.meta["site"]["utc_offset"]
-    grid = temporal_map(result.times, result.hourly[name], offset)
-    scale = hourly_scale(result.hourly, name, display)
-    page = temporal_picture(grid, scale, f"{title}, mean over the sensors, in {unit}")
-    with written(path) as draft:
-        page.save(draft, format="PNG", compress_level=6)
+    grids = {n: temporal_map(result.times, v, offset) for n, v in result.hourly.items()}
+    if all(len(grid.days) == 1 for grid in grids.values()):
+        return [_save_course(folder, grids)] if grids else []
+    files = []
+    for name, grid in grids.items():
+        scale = hourly_scale(result.hourly, name, display)
+        title = f"{HOURLY[name][0]}: mean over the sensors, {result.meta['period']}"
+        files.append(f"hours {name}.png")
+        with written(folder / files[-1]) as draft:
+            temporal_picture(grid, scale, title).save(draft, format="PNG", compress_level=6)
+    return files
+
+
+def _save_course(folder: Path, grids: Mapping[str, Temporal]) -> str:
+    """A day's hourly means as curves."""
+    count = len(next(iter(grids.values())).values)
+    hours = (np.arange(count) + 0.5) * 24 / count
+    curves: list[Curve] = [
+        (HOURLY[name][0], grid.values[:, 0], None, None) for name, grid in grids.items()
+    ]
+    title, unit = HOURLY[next(iter(grids))]
+    quantity = title if len(grids) == 1 else "Mean over the sensors"
+    section_png(folder / "hours.png", hours, curves, quantity, unit, False, "Hour of the day (h)")
+    return "hours.png"
 
 
 def hourly_scale(hourly: Mapping[str, Vector], name: str, display: Display) -> ColourScale:
-    """The scale of an hourly value: radiation of all kinds shares one, even where there is log."""
+    """The scale of an hourly mean: all of one unit share it."""
     title, unit = HOURLY[name]
     together = [v for n, v in hourly.items() if HOURLY[n][1] == unit]
     return scale_for(np.concatenate(together), display, title, unit)

@@ -17,7 +17,7 @@ from .site import Site, check_site, to_model
 from .sky import Patches, Suns
 from .sky_matrix import ground_radiance, matrix_blocks
 from .suns import merged_suns
-from .weather import Weather, seconds
+from .weather import Weather
 
 GROUND = 1
 """The subdivision of the ground's patches: they are as bright as one another."""
@@ -33,7 +33,8 @@ class Sources:
     (D,): how long the sun stands there, whatever the weather. ``suns`` and ``patches``: where they
     are in the world; ``ground`` (G,) in sr: their solid angles, none where no sensor sees the
     ground. ``hourly``: the T intervals' sun and sky, whose middles are ``times`` (T,), UTC.
-    ``ground_radiance`` (T,) in W/(m² sr). ``notes``: what a reader must know of all this.
+    ``ground_radiance`` (T,) in W/(m² sr). ``site``: where that is, and ``source`` what the weather
+    is from. ``notes``: what a reader must know of all this.
     """
 
     directions: Vector
@@ -46,22 +47,27 @@ class Sources:
     hourly: HourlySkies
     times: NDArray[np.datetime64]
     ground_radiance: Vector
+    site: Site
+    source: str
     notes: tuple[str, ...]
 
-    def course(self, means: Vector) -> tuple[Vector, Vector]:
-        """Direct and diffuse irradiance (T, K) in W/m², hour by hour.
+    def course(self, arriving: Vector) -> tuple[Vector, Vector]:
+        """Direct and diffuse irradiance (K, T) in W/m², hour by hour.
 
-        ``means`` (D, K): what of the light from each direction arrives, as visibility × cosine, at
-        a sensor or as a mean over some.
+        ``arriving`` (K, D, 3): visibility × normal for each direction, at a sensor or as a mean
+        over some. Merged suns lend what is seen of them; the cosine is each true sun's own.
         """
         count, sky = len(self.suns.directions), len(self.patches.directions)
         shares = self.suns.weights
         assert shares is not None
-        direct = (shares.T @ means[:count]) * self.hourly.direct[:, None]
-        diffuse = np.outer(self.ground_radiance, self.ground @ means[count + sky :])
-        arriving = means[count : count + sky] * self.patches.solid_angles[:, None]
+        sun = to_model(self.hourly.sun, self.site)
+        direct = np.stack([np.einsum("ti,ti->t", shares.T @ one[:count], sun) for one in arriving])
+        direct = np.maximum(direct, 0.0) * self.hourly.direct
+        cosines = np.einsum("kdi,di->kd", arriving[:, count:], self.directions[count:])
+        diffuse = np.outer(cosines[:, sky:] @ self.ground, self.ground_radiance)
+        cosines = (cosines[:, :sky] * self.patches.solid_angles).T
         for which, block in matrix_blocks(self.hourly, self.patches, "none"):
-            diffuse[which] += block @ arriving
+            diffuse[:, which] += (block @ cosines).T
         return direct, diffuse
 
 
@@ -102,8 +108,9 @@ def finer(weather: Weather, parts: int) -> Weather:
     def each(values: Vector) -> Vector:
         return np.repeat(values, parts)
 
-    air = {"pressure": each(weather.pressure), "temperature": each(weather.temperature)}
-    up = sun_position(times, weather.site, **air).direction[:, 2].reshape(-1, parts) > 0
+    pressure, temperature = each(weather.pressure), each(weather.temperature)
+    sun = sun_position(times, weather.site, pressure=pressure, temperature=temperature)
+    up = sun.direction[:, 2].reshape(-1, parts) > 0
     count = up.sum(axis=1, keepdims=True)
     share = np.where(count > 0, up * parts / np.maximum(count, 1), 1.0).ravel()
     return replace(
@@ -113,8 +120,9 @@ def finer(weather: Weather, parts: int) -> Weather:
         global_horizontal=each(weather.global_horizontal),
         direct_normal=each(weather.direct_normal) * share,
         diffuse_horizontal=each(weather.diffuse_horizontal),
+        temperature=temperature,
         dew_point=each(weather.dew_point),
-        **air,
+        pressure=pressure,
     )
 
 
@@ -155,7 +163,7 @@ def sources_of(
     return Sources(
         directions=to_model(np.concatenate([suns.directions, patches.directions, below]), site),
         direct=np.concatenate([suns.weights @ energy, *none[1:]]),
-        diffuse=np.concatenate([none[0], sky * patches.solid_angles, off_ground]) / [1000],
+        diffuse=np.concatenate([none[0], sky * patches.solid_angles, off_ground]) / 1000,
         hours=np.concatenate([suns.weights @ hourly.hours, *none[1:]]),
         suns=suns,
         patches=patches,
@@ -163,6 +171,8 @@ def sources_of(
         hourly=hourly,
         times=weather.times[mask],
         ground_radiance=returned,
+        site=site,
+        source=weather.source,
         notes=(*weather.notes, *hourly.notes, *_notes(suns, ground_reflectance)),
     )
 

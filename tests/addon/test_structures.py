@@ -193,7 +193,7 @@ def test_the_displaced_shape_is_a_shape_key_that_can_swing(roof):
     key.points.foreach_get("co", places)
     moved = np.linalg.norm(places.reshape(-1, 3) - places_of(roof.data), axis=1).max()
     sized = design(SMALL, Scene())
-    most = np.linalg.norm(sized.displacements[..., :3], axis=-1).max()
+    most = np.linalg.norm(sized.deflections, axis=-1).max()
     assert moved == pytest.approx(exaggeration(sized) * most, rel=0.15)
     bpy.ops.heliform.animate_displacement()
     seen = []

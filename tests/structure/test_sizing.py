@@ -270,7 +270,7 @@ def test_second_order_sizing_bears_second_order_forces():
 
 def test_a_stiff_roof_keeps_its_limit_and_weighs_more():
     limits = DeflectionLimits(span=18.0)
-    task = roof_task(deflection=limits)
+    task = roof_task(deflection=limits, service=True)
     pattern = pattern_of(task.frame)
 
     def used(sections):
@@ -289,7 +289,8 @@ def test_a_stiff_beam_has_the_inertia_that_its_limit_asks_for():
     load, length = 5e3, 9.0
     task = beam_task(load, length)
     pattern = pattern_of(task.frame)
-    limited = replace(task, rules=replace(task.rules, deflection=DeflectionLimits(member=1000.0)))
+    rules = replace(task.rules, service=True, deflection=DeflectionLimits(member=1000.0))
+    limited = replace(task, rules=rules)
     chosen = size_stiff(limited, pattern=pattern)
     youngs = 210e9
     sections = task.pool.sections.take(chosen.sections)

@@ -1,0 +1,77 @@
+"""One sensor on a receiver: its hours over the period as a picture in the file."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from ...engines.core.analysis import Analysis
+from ...engines.core.colour import Display, scale_for
+from ...engines.core.scene import Receiver, Scene
+from ...engines.sun.maps import SunMaps
+from ...engines.sun.occlusion import bodies_of
+from ...engines.sun.temporal import temporal_map, temporal_picture
+from ..properties import read, scale_of
+from ..staging import Gathered, Objects, Staging
+from . import results, sun
+
+_SENSOR = "heliform_sun_sensor"
+_SIZE = 1e-3  # m, the side of what stands for the sensor
+
+
+def staging_at(obj: bpy.types.Object, place: Vector, normal: Vector) -> Staging:
+    """How a study meets the scene that measures only here on a receiver, seen along ``normal``.
+
+    Both are in the world, ``place`` in Blender units.
+    """
+
+    def gather(context: bpy.types.Context, analysis: Analysis) -> Gathered:
+        given = sun.read_shaded(context)
+        across = normal.orthogonal().normalized()
+        u, v = (_SIZE * np.array(axis) for axis in (across, normal.cross(across)))
+        origin = scale_of(context.scene) * np.array(place) - (u + v) / 2
+        sensor = Receiver(f"{obj.name} sensor", origin, u, v, 1, 1)
+        scene = Scene(bodies_of(given), (), (sensor,))
+        record = sun.asked(context.scene, analysis.record)
+        return Gathered(sensor.name, scene, record, {sensor.name: obj})
+
+    def stage(
+        scene: bpy.types.Scene,
+        there: Objects,
+        result: SunMaps,
+        folder: Path,
+        /,
+        notes: tuple[str, ...] = (),
+    ) -> bool:
+        scene[_SENSOR] = _picture(scene, obj.name, result)
+        total = result.maps[0].mean("total")
+        sun.mark(obj, obj.matrix_world.inverted() @ place, f"Sensor: {total:.4g} kWh/m²")
+        return False
+
+    return Staging(gather, stage)
+
+
+def picture_of(scene: bpy.types.Scene) -> bpy.types.Image | None:
+    """The hours of the sensor that was picked last."""
+    return scene.get(_SENSOR)
+
+
+def _picture(scene: bpy.types.Scene, name: str, result: SunMaps) -> bpy.types.Image:
+    """Hour of the day by day of the year, of all that comes from sun and sky."""
+    values = result.hourly["direct"] + result.hourly["diffuse"]
+    display = Display(log=False, palette=read(scene.heliform.sun_display, Display).palette)
+    colours = scale_for(values, display, "Irradiance", "W/m²")
+    grid = temporal_map(result.times, values, result.meta["site"]["utc_offset"])
+    page = temporal_picture(grid, colours, f"Irradiance on “{name}” in W/m²")
+    pixels = np.asarray(page)[::-1] / np.float32(255)
+    rows, columns = pixels.shape[:2]
+    image = picture_of(scene)
+    if image is None:
+        image = bpy.data.images.new(f"{name} sensor", columns, rows, alpha=False)
+        image.use_fake_user = True
+    image.name = f"{name} sensor"
+    if tuple(image.size) != (columns, rows):
+        image.scale(columns, rows)
+    results.fill(image, pixels)
+    return image

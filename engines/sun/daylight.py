@@ -1,0 +1,178 @@
+"""Daylight on the receivers of a scene over a year, with what bodies reflect."""
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import VERSION
+from ..core.parameters import nested, param, to_table
+from ..core.progress import SILENT, Progress, part
+from ..core.scene import Body, Material, Scene
+from .annual import Interior, Year, year_of
+from .bounces import Dome
+from .daylight_figures import daylight_figures
+from .illuminance import course_of
+from .maps import SunMap, SunMaps, quantities_of
+from .occlusion import mesh_of
+from .periods import Period, period_text, selected
+from .position import sun_position
+from .radiation import areas_of, looking_down, sensors_in
+from .sensors import Sensors, joined
+from .site import Site
+from .weather import Weather
+from .weights import weather_of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkingHours(Period):
+    """Part of a year by the site's standard time; by default from 8 to 18 h, as LM-83 asks."""
+
+    first_hour: float = param(8.0, "h", 0.0, 24.0, "Hour of the day from which on it counts")
+    last_hour: float = param(
+        18.0, "h", 0.0, 24.0, "Hour of the day up to which it counts; before the first, overnight"
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Daylight:
+    """Where and when, how far light is followed, and what it is held against."""
+
+    site: Site = nested(Site, "Where the model stands and which way it is turned")  # noqa: RUF009
+    weather_file: str = param("", help="EPW, TMY3, NSRDB or PVGIS; empty: a cloudless year")
+    period: WorkingHours = nested(WorkingHours, "Part of the year that counts")  # noqa: RUF009
+    subdivision: int = param(2, "", 1, 4, "The sky has 144 times this squared patches and one")
+    accuracy: float = param(
+        1.0, "deg", 0.0, 30.0, "Suns this near to one another are traced as one; 0: every sun"
+    )
+    bounces: int = param(4, "", 0, 16, "Reflections after which light is given up")
+    ground_reflectance: float = param(
+        0.2, "", 0.0, 1.0, "Share of light that the open ground returns"
+    )
+    target: float = param(300.0, "lx", 1.0, 1e5, "Illuminance to be reached, of the autonomies")
+    blinds: bool = param(False, help="Panes have blinds, closed by the hour as LM-83 has it")
+    blinds_transmittance: float = param(
+        0.05, "", 0.0, 1.0, "Share of light that closed blinds let through, scattered"
+    )
+    error: float = param(
+        0.02,
+        "",
+        0.001,
+        1.0,
+        "95 % half-width ÷ mean of the mean light of sky and reflections",
+    )
+    paths: int = param(131_072, "", 2048, 10_000_000, "Paths to follow from a sensor at most")
+    open: bool = param(True, help="Also the mean illuminance without any building")
+    exposure_month: int = param(3, "", 1, 12, "Month of the day on which sunlight is counted")
+    exposure_day: int = param(21, "", 1, 31, "The day, 1 February to 21 March by EN 17037")
+    lowest_sun: float = param(10.0, "deg", 0.0, 89.0, "Altitude from which that sunlight counts")
+
+
+def study_daylight(
+    scene: Scene, record: Daylight, *, seed: int = 0, progress: Progress = SILENT
+) -> SunMaps:
+    """The maps of illuminance and of its metrics over a year on every receiver.
+
+    Bodies block, return and let through light as their materials say; receivers that reflect do so
+    as matte surfaces, and those that do not are mere planes to measure on. With blinds, all that
+    goes by the hour is with them, but for the hours of direct sun, which are without as LM-83 asks.
+
+    Raises SceneError for a scene without a receiver, or with a body or a receiver that has no
+    faces; ParameterError and FileError as `weather_of`, `selected` and `course_of` do;
+    RuntimeMissing; Cancelled.
+    """
+    started = time.perf_counter()
+    progress(0.0, "Reading the weather")
+    weather, site = weather_of(record.site, record.weather_file)
+    counted = selected(weather, record.period, site)
+    annual = record.period.span == "year"
+    mask = counted | (_up(weather, site) if annual else False)
+    dome = Dome(record.subdivision, site)
+    course = course_of(
+        weather,
+        site,
+        dome,
+        mask,
+        accuracy=record.accuracy,
+        ground_reflectance=record.ground_reflectance,
+    )
+    parts = sensors_in(scene)
+    bodies = surfaces_of(scene)
+    interior = Interior(bodies, joined(*parts), record.blinds)
+    year = year_of(interior, course, counted[mask], record, seed, part(progress, 0.05, 1.0))
+    maps = _maps(scene, parts, year)
+    figures, said = daylight_figures(maps, interior, course, year, record, annual)
+    notes = [*course.notes, *year.notes, *_notes(scene, record, interior), *said]
+    meta: dict[str, Any] = {
+        "kind": "daylight",
+        "parameters": to_table(record),
+        "site": to_table(site),
+        "source": weather.source,
+        "period": period_text(record.period),
+        "suns": len(course.suns.directions),
+        "patches": dome.count - 1,
+        "accuracy": float(np.degrees(course.suns.accuracy)),
+        "paths": year.paths,
+        "notes": list(dict.fromkeys([*notes, *looking_down(scene, parts)])),
+        "version": VERSION,
+        "figures": figures,
+        "quantities": quantities_of(maps),
+        "seed": seed,
+        "seconds": time.perf_counter() - started,
+    }
+    inside = counted[mask]
+    return SunMaps(maps, course.times[inside], {"illuminance": year.course[inside]}, meta)
+
+
+def surfaces_of(scene: Scene) -> tuple[Body, ...]:
+    """A scene's bodies, and those of its receivers that return light as matte ones."""
+    return (
+        *scene.bodies,
+        *(
+            Body(r.name, mesh_of(r), Material(kind="diffuse", reflectance=r.reflectance))
+            for r in scene.receivers
+            if r.reflectance > 0
+        ),
+    )
+
+
+def _up(weather: Weather, site: Site) -> NDArray[np.bool_]:
+    """In which intervals (T,) the sun is up in the middle."""
+    air: dict[str, Any] = {"pressure": weather.pressure, "temperature": weather.temperature}
+    return sun_position(weather.times, site, **air).direction[:, 2] > 0
+
+
+def _maps(scene: Scene, parts: tuple[Sensors, ...], year: Year) -> tuple[SunMap, ...]:
+    maps, first = [], 0
+    for receiver, sensors in zip(scene.receivers, parts, strict=True):
+        rows = slice(first, first + len(sensors))
+        first = rows.stop
+        own: Any = {n: sensors.spread(v[rows].astype(np.float32)) for n, v in year.values.items()}
+        maps.append(SunMap(receiver.name, own, areas_of(receiver, sensors)))
+    return tuple(maps)
+
+
+def _notes(scene: Scene, record: Daylight, interior: Interior) -> list[str]:
+    """What a reader must know of how light was followed."""
+    notes = []
+    planes = [r.name for r in scene.receivers if not r.reflectance]
+    if planes:
+        names = ", ".join(f"“{name}”" for name in planes)
+        notes.append(
+            f"{names} only measure and block no light; give a floor or a roof its reflectance."
+        )
+    if record.ground_reflectance:
+        notes.append(
+            f"The ground is level, returns {100 * record.ground_reflectance:g} % of the light "
+            "evenly and is nowhere shaded."
+        )
+    if record.bounces:
+        notes.append(
+            f"Light is given up after {record.bounces} reflections; reflected sun comes from the "
+            f"sky's patches, {12 / record.subdivision:g}° wide."
+        )
+    if record.blinds and not interior.veiled:
+        notes.append("No body is clear glass, so there are no blinds to close.")
+    return notes

@@ -1,0 +1,323 @@
+"""Sun and sky in Blender: studied, shown, followed live, picked, drawn, saved and refused."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from heliform.addon import live_sun, sun_overlay, sun_place
+from heliform.addon.bridge import layers, results, sun, sun_sensor
+from heliform.addon.properties import write
+from heliform.engines.core.scene import Body, Material, Mesh, Receiver, Scene
+from heliform.engines.sun import QUANTITIES, SUN_RADIATION, Radiation, study_radiation
+from heliform.engines.sun.clear_sky import clear_weather
+from heliform.engines.sun.maps import SunMaps
+from heliform.engines.sun.periods import Period
+from heliform.engines.sun.position import sun_position
+from heliform.engines.sun.site import Site
+from heliform.engines.sun.times import moment
+
+NOON = Period(span="summer solstice", first_hour=9.0, last_hour=15.0)
+CHEAP = Radiation(period=NOON, subdivision=1, accuracy=5.0)
+MAPS = ("sun_hours", "direct", "diffuse", "total", "open", "shading")
+
+
+@pytest.fixture
+def ground(scene):
+    """A receiver of 4 m × 2 m, 8 × 4 texels, over which a canopy covers the half of negative x."""
+    write(scene.heliform.radiation, CHEAP)
+    bpy.ops.heliform.add_receiver()
+    obj = bpy.context.object
+    obj.location = (0, 0, 0)
+    obj.heliform.plane.width, obj.heliform.plane.length = 4.0, 2.0
+    obj.heliform.plane.resolution = 8
+    bpy.ops.mesh.primitive_plane_add(size=1, location=(-4.5, 0, 1.0))
+    bpy.context.object.scale = (9, 9, 1)
+    bpy.context.object.name = "Canopy"
+    bpy.context.object.heliform.role = "BODY"
+    bpy.context.object.heliform.material.kind = "diffuse"
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+@pytest.fixture
+def study(ground):
+    """The same, studied."""
+    assert bpy.ops.heliform.study_sun() == {"FINISHED"}
+    return ground
+
+
+def asked_directly(canopy: float = -4.5) -> SunMaps:
+    """The same scene as the engine is given it without Blender."""
+    corners = np.array([[-4.5, -4.5, 0], [4.5, -4.5, 0], [4.5, 4.5, 0], [-4.5, 4.5, 0]])
+    mesh = Mesh(corners + np.array([canopy, 0, 1.0]), np.array([[0, 1, 2, 3]], np.int32))
+    floor = Receiver(
+        "Receiver", np.array([-2.0, -1, 0]), np.array([4.0, 0, 0]), np.array([0, 2.0, 0]), 8, 4
+    )
+    scene = Scene((Body("Canopy", mesh, Material(kind="diffuse")),), (), (floor,))
+    return study_radiation(scene, CHEAP)
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_every_map_is_an_image_of_what_the_engine_says(study, name):
+    bpy.context.scene.heliform.sun_map = name
+    kept = sun._map_of(study).maps[name]
+    np.testing.assert_allclose(kept, asked_directly().maps[0].maps[name], rtol=1e-4, atol=1e-4)
+    layer = layers.layer_of(study)
+    assert layer.quantity == QUANTITIES[name][0]
+    picture = results.pixels_of(results.find(study, results.PICTURE, ""))
+    np.testing.assert_allclose(picture, layer.scale.colours(kept) / 255, atol=0.01)
+
+
+def test_the_canopy_shades_its_half(study):
+    sunny = sun._map_of(study).maps["sun_hours"].mean(axis=0)
+    assert sunny[-1] == 6
+    assert sunny[0] == 0
+    assert sun.mean_on(study, "sun_hours") == pytest.approx(sunny.mean())
+
+
+def test_all_receivers_share_a_scale(ground):
+    other = ground.copy()
+    other.data = ground.data.copy()
+    other.name = "Below"
+    other.location = (-4, 0, 0)
+    bpy.context.collection.objects.link(other)
+    bpy.ops.heliform.study_sun()
+    assert [obj.name for obj in sun.staged_on(bpy.context.scene)] == ["Below", "Receiver"]
+    assert layers.layer_of(other).scale == layers.layer_of(ground).scale
+    assert sun.mean_on(other, "direct") < sun.mean_on(ground, "direct")
+
+
+def test_both_sides_have_their_own_pictures(ground):
+    ground.heliform.plane.sides = "both"
+    bpy.ops.heliform.study_sun()
+    front, back = (
+        results.pixels_of(results.find(ground, results.PICTURE, side)) for side in ("front", "back")
+    )
+    assert np.abs(front - back).max() > 0.3
+    assert sun._map_of(ground).maps["direct"][1].max() == 0
+
+
+def test_a_mesh_without_a_map_is_unwrapped_and_measured(scene):
+    write(scene.heliform.radiation, CHEAP)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=1, location=(0, 0, 3))
+    obj = bpy.context.object
+    for layer in list(obj.data.uv_layers):
+        obj.data.uv_layers.remove(layer)
+    obj.heliform.role = "RECEIVER"
+    obj.heliform.plane.resolution = 64
+    assert bpy.ops.heliform.study_sun() == {"FINISHED"}
+    facts = sun.facts_of(scene)
+    assert any("was unwrapped" in note for note in facts["notes"])
+    direct = sun._map_of(obj).maps["direct"]
+    assert np.nanmax(direct) > 1
+    assert np.nanmin(direct) == 0
+
+
+def test_live_sun_follows_a_canopy_that_moves(ground):
+    scene = bpy.context.scene
+    scene.heliform.live_texels = 8
+    scene.heliform.live_sun = True
+    assert not live_sun.state.problem
+    np.testing.assert_allclose(
+        sun._map_of(ground).maps["total"], asked_directly().maps[0].maps["total"], rtol=1e-4
+    )
+    bpy.data.objects["Canopy"].location.x = -3.5
+    live_sun.changed(scene)
+    np.testing.assert_allclose(
+        sun._map_of(ground).maps["total"], asked_directly(-3.5).maps[0].maps["total"], rtol=1e-4
+    )
+    scene.heliform.live_texels = 4
+    assert sun._map_of(ground).area.shape == (2, 4)
+    assert layers.layer_of(ground).footing[-1].startswith("live")
+
+
+def test_live_sun_asks_once_about_what_stays_the_same(ground, monkeypatch):
+    scene = bpy.context.scene
+    scene.heliform.live_sun = True
+    asked = []
+    true = live_sun.jobs.ask
+    monkeypatch.setattr(live_sun.jobs, "ask", lambda *a: asked.append(a) or true(*a))
+    live_sun.changed(scene)
+    assert not asked
+    scene.heliform.radiation.ground_reflectance = 0.9
+    assert len(asked) == 1
+    scene.heliform.live_sun = False
+    ground.location.x += 1
+    live_sun.changed(scene)
+    assert len(asked) == 1
+
+
+def test_live_sun_says_what_is_wrong_and_goes_on(ground):
+    scene = bpy.context.scene
+    scene.heliform.live_sun = True
+    ground.heliform.on = False
+    live_sun.changed(scene)
+    assert "no receiver" in live_sun.state.problem
+    ground.heliform.on = True
+    scene.heliform.radiation.weather_file = "/nowhere/Ürümqi.epw"
+    assert "Ürümqi" in live_sun.state.problem
+    scene.heliform.radiation.weather_file = ""
+    assert not live_sun.state.problem
+
+
+def test_live_sun_leaves_no_files(ground):
+    bpy.context.scene.heliform.live_sun = True
+    assert not list(Path(bpy.app.tempdir).glob("live-*"))
+    with pytest.raises(RuntimeError, match="writes no files"):
+        bpy.ops.heliform.open_sun_report()
+
+
+def test_one_sensor_has_its_hours_as_a_picture(study):
+    bpy.context.view_layer.objects.active = study
+    assert bpy.ops.heliform.sun_sensor() == {"FINISHED"}
+    image = sun_sensor.picture_of(bpy.context.scene)
+    assert image.name == "Receiver sensor"
+    assert len(np.unique(results.pixels_of(image).reshape(-1, 3), axis=0)) > 10
+    (mark,) = layers.layer_of(study).marks
+    assert "kWh/m²" in mark.label
+    found = float(mark.label.split()[1])
+    there = sun._map_of(study).maps["total"]
+    assert there.min() - 1e-3 <= found <= there.max() * 1.001
+
+
+def test_hours_are_exported_as_a_table(study, tmp_path):
+    path = tmp_path / "Stunden ä"
+    assert bpy.ops.heliform.export_sun_hours(filepath=str(path)) == {"FINISHED"}
+    lines = path.with_suffix(".csv").read_text(encoding="utf-8").splitlines()
+    assert sum(line.startswith("2019-06-21 ") for line in lines) == 6
+
+
+def test_a_range_set_by_hand_is_taken_and_an_empty_one_said(study):
+    display = bpy.context.scene.heliform.sun_display
+    display.automatic = False
+    display.high = 5.0
+    assert layers.layer_of(study).scale.high == 5
+    display.low = 7.0
+    assert sun.facts_of(bpy.context.scene)["problem"]
+    display.low = 0.0
+    assert not sun.facts_of(bpy.context.scene)["problem"]
+
+
+def test_a_result_of_light_takes_the_place_of_a_study_and_back(study):
+    bpy.ops.heliform.add_lamp()
+    bpy.context.object.location = (1.5, 0, 1.5)
+    tracing = bpy.context.scene.heliform.photon_tracing
+    tracing.until, tracing.landed = "landed", 1000
+    assert bpy.ops.heliform.trace_photons() == {"FINISHED"}
+    assert layers.layer_of(study) is None
+    assert sun.facts_of(bpy.context.scene) is None
+    assert len(results.results_of(bpy.context.scene)) == 1
+    assert bpy.ops.heliform.study_sun() == {"FINISHED"}
+    assert not results.results_of(bpy.context.scene)
+    assert layers.layer_of(study) is not None
+
+
+def test_a_saved_study_opens_with_all_its_maps(study, tmp_path):
+    known = sun.facts_of(bpy.context.scene)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "Sonne ä.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "Sonne ä.blend"))
+    scene = bpy.context.scene
+    assert sun.facts_of(scene) == known
+    scene.heliform.sun_map = "shading"
+    assert layers.layer_of(bpy.data.objects["Receiver"]).quantity == "Shading"
+
+
+def test_a_study_can_be_taken_off(study):
+    assert bpy.ops.heliform.clear_sun() == {"FINISHED"}
+    assert sun.facts_of(bpy.context.scene) is None
+    assert layers.layer_of(study) is None
+    assert not [image for image in bpy.data.images if results.is_ours(image)]
+    with pytest.raises(RuntimeError, match="poll"):
+        bpy.ops.heliform.clear_sun()
+
+
+def test_without_a_receiver_or_a_file_the_reason_is_said(scene):
+    with pytest.raises(RuntimeError, match="no receiver"):
+        bpy.ops.heliform.study_sun()
+    bpy.ops.heliform.add_receiver()
+    scene.heliform.radiation.weather_file = "/nowhere/Ürümqi.epw"
+    assert "Ürümqi" in sun_place.weather_problem(scene)
+    with pytest.raises(RuntimeError, match="Ürümqi"):
+        bpy.ops.heliform.study_sun()
+
+
+@pytest.mark.parametrize("hour", [9.0, 16.5])
+@pytest.mark.parametrize("north", [0.0, 30.0])
+def test_the_lamp_shines_from_where_the_sun_stands(scene, hour, north):
+    own = scene.heliform
+    own.sun_month, own.sun_day = 6, 21
+    bpy.ops.heliform.add_sun_lamp()
+    own.sun_hour = hour
+    own.radiation.site.north = np.radians(north)
+    bpy.context.view_layer.update()
+    site = Site()
+    sun_there = sun_position(moment(2019, 6, 21, hour, site), site)
+    towards = np.array(own.sun_lamp.matrix_world)[:3, 2]
+    turned = np.degrees(np.arctan2(towards[0], towards[1])) % 360
+    assert (turned + north) % 360 == pytest.approx(sun_there.azimuth[0], abs=1e-3)
+    altitude = np.degrees(np.arcsin(towards[2]))
+    assert altitude == pytest.approx(sun_there.apparent_altitude[0], abs=1e-3)
+    assert 500 < own.sun_lamp.data.energy < 1000
+    own.sun_hour = 2.0
+    assert own.sun_lamp.data.energy == 0
+
+
+def test_a_weather_file_brings_its_place(scene, tmp_path, monkeypatch):
+    there = Site(latitude=-33.9, longitude=151.2, utc_offset=10.0)
+    weather = clear_weather(there)
+    monkeypatch.setattr(sun_place, "read_weather", lambda path: weather)
+    scene.heliform.radiation.site.north = np.radians(20.0)
+    scene.heliform.radiation.weather_file = "//Sydney.epw"
+    site = sun_place.site_of(scene)
+    assert site == replace(there, north=20.0)
+
+
+def test_the_path_is_drawn_where_the_sun_goes(scene):
+    site = Site(latitude=70.0, longitude=20.0, utc_offset=1.0)
+    strokes = {look[0]: ends for *look, ends in sun_overlay._strokes(site)}
+    arcs = strokes[sun_overlay._DAY]
+    np.testing.assert_allclose(np.linalg.norm(arcs, axis=1), 1, atol=1e-6)
+    assert arcs[:, 2].max() == pytest.approx(np.sin(np.radians(20 + 23.44)), abs=2e-3)
+    texts = [text for text, _ in sun_overlay._labels(site)]
+    assert {"N", "E", "S", "W", "12 h", "0 h"} <= set(texts)  # the sun is up at midnight in June
+    assert not any("December" in text for text in texts)  # and not at noon at Christmas
+
+
+def test_units_do_not_change_what_is_measured(ground):
+    bpy.context.scene.unit_settings.scale_length = 0.01
+    write(bpy.context.scene.heliform.radiation, CHEAP, 0.01)
+    for obj in bpy.context.scene.objects:
+        obj.location *= 100
+        obj.scale *= 100
+    ground.scale /= 100
+    ground.heliform.plane.width, ground.heliform.plane.length = 400.0, 200.0
+    bpy.ops.heliform.study_sun()
+    np.testing.assert_allclose(
+        sun._map_of(ground).maps["total"], asked_directly().maps[0].maps["total"], rtol=1e-3
+    )
+
+
+def test_daylight_has_its_maps_and_figures(ground):
+    scene = bpy.context.scene
+    daylight = scene.heliform.daylight
+    daylight.subdivision, daylight.accuracy, daylight.paths = 1, np.radians(10.0), 2048
+    scene.heliform.radiation.site.latitude = np.radians(50.0)
+    assert bpy.ops.heliform.study_daylight() == {"FINISHED"}
+    facts = sun.facts_of(scene)
+    assert scene.heliform.sun_map == "daylight_autonomy"
+    assert facts["period"] == "year, 8 to 18 h"
+    factor = sun._map_of(ground).maps["daylight_factor"].mean(axis=0)
+    assert factor[-1] > 2 * factor[0]
+    assert any(name.startswith("sda_") for name in facts["figures"])
+    folder = Path(facts["folder"])
+    said = SunMaps.load(folder).meta["parameters"]
+    assert said["site"]["latitude"] == 50  # place and weather are those of the scene
+
+
+def test_what_is_asked_names_the_weather_by_its_whole_path(ground, tmp_path):
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    bpy.context.scene.heliform.radiation.weather_file = "//here.epw"
+    asked = sun.asked(bpy.context.scene, SUN_RADIATION.record)
+    assert asked.weather_file == str(tmp_path / "here.epw")
