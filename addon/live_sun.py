@@ -5,25 +5,24 @@ is remembered. There is never more than one question on its way, and what moves 
 about next. In background there are no timers, and a change is answered at once.
 """
 
-import hashlib
 import shutil
 import tempfile
 import time
 from collections import deque
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import bpy
 
 from ..engines.core.client import Ended
 from ..engines.core.errors import HeliformError
 from ..engines.core.export import save_study
-from ..engines.core.parameters import digest
-from ..engines.core.scene import Mesh, Receiver, Scene, Surface
+from ..engines.core.live import same
+from ..engines.core.scene import Receiver, Scene, Surface
 from ..engines.sun import SUN_RADIATION
 from . import jobs
 from .bridge import layers, sun
-from .staging import Gathered
 
 _LOOK = 0.004  # seconds between two looks for the answer
 _WINDOW = 1.5  # seconds over which answers are counted
@@ -45,14 +44,14 @@ class _Question:
     scene: int
     objects: dict[str, int]
     folder: Path
-    digest: str
+    asked: tuple[Scene, Any]
 
 
 state = State()
 _wanted: set[int] = set()
 _question: _Question | None = None
-_answered: dict[int, str] = {}
-"""What each scene's colours are the answer to."""
+_answered: dict[int, tuple[Scene, Any]] = {}
+"""The scene and the record that each scene's colours are the answer to."""
 
 
 def switched(scene: bpy.types.Scene) -> None:
@@ -102,8 +101,8 @@ def _ask() -> None:
         coarse = replace(
             given.scene, receivers=tuple(_coarse(scene, r) for r in given.scene.receivers)
         )
-        asked = _digest(coarse, given)
-        if _answered.get(scene.session_uid) == asked:
+        asked = coarse, given.parameters
+        if same(asked, _answered.get(scene.session_uid)):
             _say("")
             return
         folder = Path(tempfile.mkdtemp(prefix="live-", dir=bpy.app.tempdir))
@@ -126,25 +125,6 @@ def _coarse(scene: bpy.types.Scene, receiver: Receiver | Surface) -> Receiver | 
     return replace(receiver, columns=columns, rows=rows)
 
 
-def _digest(scene: Scene, given: Gathered) -> str:
-    told = hashlib.blake2b(digest(given.parameters).encode(), digest_size=16)
-    for body in scene.bodies:
-        told.update(repr((body.name, body.material)).encode())
-        _add(told, body.mesh)
-    for receiver in scene.receivers:
-        told.update(repr((receiver.name, receiver.columns, receiver.rows, receiver.sides)).encode())
-        if isinstance(receiver, Surface):
-            _add(told, receiver.mesh)
-        else:
-            told.update(repr((receiver.origin, receiver.u, receiver.v)).encode())
-    return told.hexdigest()
-
-
-def _add(told: "hashlib._Hash", mesh: Mesh) -> None:
-    told.update(mesh.vertices.tobytes())
-    told.update(mesh.faces.tobytes())
-
-
 def _hear(ended: Ended) -> None:
     """Show an answer, or say why there is none."""
     question = _question
@@ -158,7 +138,7 @@ def _hear(ended: Ended) -> None:
         objects = {name: there[uid] for name, uid in question.objects.items() if uid in there}
         _count()
         sun.stage(scene, objects, result, None, footing=_rate_text())
-        _answered[scene.session_uid] = question.digest
+        _answered[scene.session_uid] = question.asked
         _say("")
     except HeliformError as error:
         _say(str(error))

@@ -101,10 +101,17 @@ def _property(field: Field, update: Update | None) -> Any:
                 subtype="FILE_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}, **options
             )
         case "text":
+            if field.suggestions:
+                options["search"] = _offer(field.suggestions)
             return StringProperty(**options)
         case "int":
             return IntProperty(**options, **_bounds(field, "min", "max"))
     return FloatProperty(**options | _number(field))
+
+
+def _offer(suggestions: tuple[str, ...]) -> Callable[[Any, Any, str], list[str]]:
+    """What Blender asks for suggestions while a text is typed."""
+    return lambda group, context, text: [s for s in suggestions if text.lower() in s.lower()]
 
 
 def label_of(field: Field) -> str:

@@ -6,13 +6,13 @@ that.
 """
 
 import json
-from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
+from mathutils import Vector
 from numpy.typing import NDArray
 
 from ...engines.core.analysis import Analysis
@@ -188,24 +188,26 @@ def mean_on(obj: bpy.types.Object, name: str) -> float:
 def _map_of(obj: bpy.types.Object) -> SunMap:
     """The maps of a receiver, from its images. Raises SceneError where they are gone."""
     kept = _kept(obj)
-    sides: list[dict[str, NDArray[np.float32]]] = []
-    for side in kept["sides"]:
-        images = {kind: results.find(obj, kind, side) for kind in (_AREA, *kept["kinds"])}
-        if not all(images.values()):
-            raise SceneError(f"The values on “{obj.name}” are gone; do the study again.")
-        values = {kind: results.pixels_of(image) for kind, image in images.items()}
-        area = values[_AREA][..., 0]
-        sides.append(
-            {
-                name: values[kind][..., index]
-                for kind, names in kept["kinds"].items()
-                for index, name in enumerate(names)
-            }
-        )
-    maps = sides[0]
-    if len(sides) == 2:
-        maps = {name: np.stack([side[name] for side in sides]) for name in maps}
+    sides = [_values(obj, kept["kinds"], side) for side in kept["sides"]]
+    area = sides[0].pop(_AREA)
+    maps = {name: np.stack([side[name] for side in sides]) for name in sides[0]}
+    if len(sides) == 1:
+        maps = {name: values[0] for name, values in maps.items()}
     return SunMap(obj.name, maps, area)
+
+
+def _values(
+    obj: bpy.types.Object, kinds: dict[str, list[str]], side: str
+) -> dict[str, NDArray[np.float32]]:
+    """The maps of one side (rows, columns), and the area of its texels."""
+    found = {}
+    for kind, names in {_AREA: [_AREA], **kinds}.items():
+        image = results.find(obj, kind, side)
+        if image is None:
+            raise SceneError(f"The values on “{obj.name}” are gone; do the study again.")
+        pixels = results.pixels_of(image)
+        found |= {name: pixels[..., index] for index, name in enumerate(names)}
+    return found
 
 
 # What is shown
@@ -245,16 +247,16 @@ def _paint(
         image = results.image_for(obj, results.PICTURE, side, covered.shape)
         results.fill(image, colours / np.float32(255))
     shading.show_pictures(obj, "sun", [*_kept(obj)["kinds"], _AREA], sides)
-    marks = [layers.Mark(tuple(place), label) for place, label in json.loads(obj.get(_MARKS, "[]"))]
+    marks = [layers.Mark((x, y, z), said) for x, y, z, said in json.loads(obj.get(_MARKS, "[]"))]
     layers.note(obj, layers.Layer(scale.quantity, scale, footing, marks))
 
 
-def mark(obj: bpy.types.Object, place: Iterable[float], label: str) -> None:
+def mark(obj: bpy.types.Object, place: Vector, label: str) -> None:
     """Point out a place of a receiver, in its own coordinates, and no other."""
-    obj[_MARKS] = json.dumps([[list(place), label]])
+    obj[_MARKS] = json.dumps([[*place, label]])
     layer = layers.layer_of(obj)
     if layer is not None:
-        layers.note(obj, replace(layer, marks=[layers.Mark(tuple(place), label)]))
+        layers.note(obj, replace(layer, marks=[layers.Mark((place.x, place.y, place.z), label)]))
 
 
 def clear(scene: bpy.types.Scene) -> None:

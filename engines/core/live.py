@@ -53,16 +53,18 @@ def kept(scene: Scene, before: Scene) -> Scene:
 
 def _kept(things: tuple[Any, ...], before: tuple[Any, ...]) -> tuple[Any, ...]:
     known = {thing.name: thing for thing in before}
-    return tuple(known[t.name] if _same(t, known.get(t.name)) else t for t in things)
+    return tuple(known[t.name] if same(t, known.get(t.name)) else t for t in things)
 
 
-def _same(one: Any, other: Any) -> bool:
-    """Whether two values, arrays or records of them are equal."""
+def same(one: Any, other: Any) -> bool:
+    """Whether two values are equal, be they arrays, records or rows of them."""
     if type(one) is not type(other):
         return False
     if isinstance(one, np.ndarray):
         return np.array_equal(one, other)
     if dataclasses.is_dataclass(one):
         names = [field.name for field in dataclasses.fields(one)]
-        return all(_same(getattr(one, name), getattr(other, name)) for name in names)
+        return all(same(getattr(one, name), getattr(other, name)) for name in names)
+    if isinstance(one, tuple):
+        return len(one) == len(other) and all(map(same, one, other))
     return one == other

@@ -34,6 +34,7 @@ class Field:
     help: str
     choices: tuple[str, ...] = ()
     record: Any = None
+    suggestions: tuple[str, ...] = ()
 
     @property
     def names_file(self) -> bool:
@@ -52,11 +53,14 @@ def param(
     low: float | None = None,
     high: float | None = None,
     help: str = "",
+    suggest: tuple[str, ...] = (),
 ) -> Any:
-    """A dataclass field with unit (SI, or "deg"), inclusive bounds and one line of help."""
-    return dataclasses.field(
-        default=default, metadata={"unit": unit, "low": low, "high": high, "help": help}
-    )
+    """A dataclass field with unit (SI, or "deg"), inclusive bounds and one line of help.
+
+    ``suggest`` are texts that a panel offers for one that may be another, too.
+    """
+    meta = {"unit": unit, "low": low, "high": high, "help": help, "suggest": suggest}
+    return dataclasses.field(default=default, metadata=meta)
 
 
 def nested(record: type, help: str = "") -> Any:
@@ -85,6 +89,7 @@ def _field(field: dataclasses.Field, hint: Any) -> Field:
         help=meta.get("help", ""),
         choices=choices,
         record=inner,
+        suggestions=meta.get("suggest", ()),
     )
 
 

@@ -28,8 +28,16 @@ class Rules:
         "or embodied energy of both families, whatever the level set says",
     )
     per: Per = param("member", help="A section for each member, each group, or one for all")  # noqa: RUF009
-    steel: str = param("thesis", help="Steel family: “thesis” for the range below, or its name")
-    timber: str = param("thesis", help="Timber family: “thesis” for the range below, or its name")
+    steel: str = param(
+        "thesis",
+        help="Steel family: “thesis” for the range below, or its name",
+        suggest=("thesis", "rhs", "shs", "chs", "ipe", "hea", "heb"),
+    )
+    timber: str = param(
+        "thesis",
+        help="Timber family: “thesis” for the range below, or its name",
+        suggest=("thesis", "timber", "glulam"),
+    )
     steel_grade: str = param("", help="Grade of the steel; empty is the family's own")
     timber_grade: str = param("", help="Grade of the timber; empty is the family's own")
     catalogue_file: str = param("", help="Catalogue of your own, a TOML file of families")

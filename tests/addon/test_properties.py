@@ -9,6 +9,8 @@ from heliform.engines.core.parameters import fields_of
 from heliform.engines.core.scene import Lamp, Material, Plane
 from heliform.engines.glass import TABLE_1, Bead, GlassObject
 from heliform.engines.light import PhotonTracing
+from heliform.engines.structure.catalogue import FAMILIES
+from heliform.engines.structure.rules import Rules
 
 
 @pytest.fixture
@@ -152,3 +154,15 @@ def test_every_panel_is_in_the_one_place():
     assert all(panel.bl_category == "Heliform" for panel in panels)
     roots = [panel for panel in panels if not getattr(panel, "bl_parent_id", "")]
     assert [root.bl_idname for root in roots] == ["HELIFORM_PT_heliform"]
+
+
+def test_texts_with_suggestions_take_any_other_text_too(holder):
+    held = type(holder.structure.rules).__annotations__["steel"].keywords
+    offered = held["search"](None, None, "HE")
+    holder.structure.rules.steel = "my own"
+    assert holder.structure.rules.steel == "my own"
+    assert set(offered) == {"thesis", "hea", "heb"}
+    assert set(next(f for f in fields_of(Rules) if f.name == "steel").suggestions) <= {
+        "thesis",
+        *FAMILIES,
+    }
