@@ -25,7 +25,7 @@ from . import jobs
 from .bridge import layers, sun
 
 _LOOK = 0.004  # seconds between two looks for the answer
-_WINDOW = 1.5  # seconds over which answers are counted
+_WINDOW = 3.0  # seconds over which answers are counted
 
 
 @dataclass(slots=True)
@@ -61,6 +61,8 @@ def switched(scene: bpy.types.Scene) -> None:
     state.times.clear()
     if scene.heliform.live_sun:
         layers.show_in_views(bpy.context, layers.IN_TEXELS)
+    elif sun.facts_of(scene):
+        sun.say(scene, footing="")
     changed(scene)
 
 

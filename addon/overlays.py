@@ -13,7 +13,7 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
 from ..engines.core.colour import Axis, ColourScale
-from .bridge import layers, results
+from .bridge import layers, results, sun
 from .bridge.handles import owner_of
 from .bridge.sections import section_of
 from .pixels import (
@@ -53,7 +53,10 @@ class _Legend:
 
 
 def draw(context: bpy.types.Context) -> None:
-    """Draw the active object's layer, else the scene's shown result, into the context's region."""
+    """Draw the legend of the active object's layer, else of the scene's shown result.
+
+    That of a study of sun and sky is there beside another object's layer, and alone.
+    """
     settings = context.scene.heliform
     overlay = context.space_data.overlay if context.space_data else None
     if not settings.legend or (overlay and not overlay.show_overlays):
@@ -61,14 +64,27 @@ def draw(context: bpy.types.Context) -> None:
     unit = context.preferences.system.ui_scale
     room = free_of(context.area, context.region, 12 * unit)
     obj = owner_of(context.object)
-    layer = layers.layer_of(obj)
-    if obj and layer:
-        _draw_marks(context, obj, layer, unit)
-        said = f", {layer.scale.unit or 'ratio'}" if layer.scale else ""
-        heading = [layer.quantity, f"{obj.name}{said}"]
-        _draw_legend(_Legend(heading, layer.scale, layer.footing, layer.swatches), room, unit)
-    elif results.is_result(settings.shown):
+    shown = [obj] if layers.layer_of(obj) else []
+    if not shown and results.is_result(settings.shown):
         _draw_result(settings.shown, room, unit)
+        return
+    studied = sun.staged_on(context.scene)
+    if obj not in studied:  # what a structure that is dragged does to its shade
+        shown += studied[:1]
+    for one in shown:
+        card = _draw_layer(context, one, room, unit)
+        room = Box(room.left, room.bottom, card.left - 12 * unit, room.top)
+
+
+def _draw_layer(context: bpy.types.Context, obj: bpy.types.Object, room: Box, unit: float) -> Box:
+    """The marks and the legend of an object's layer; returns where the legend lies."""
+    layer = layers.layer_of(obj)
+    if layer is None:
+        return Box(room.right, room.bottom, room.right, room.bottom)
+    _draw_marks(context, obj, layer, unit)
+    said = f", {layer.scale.unit or 'ratio'}" if layer.scale else ""
+    heading = [layer.quantity, f"{obj.name}{said}"]
+    return _draw_legend(_Legend(heading, layer.scale, layer.footing, layer.swatches), room, unit)
 
 
 def _draw_result(picture: bpy.types.Image, room: Box, unit: float) -> None:

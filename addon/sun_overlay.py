@@ -24,6 +24,8 @@ _HOUR: Colour = (0.45, 0.55, 0.65, 0.55)
 _GROUND: Colour = (0.5, 0.53, 0.56, 0.7)
 _SUN: Colour = (1.0, 0.78, 0.1, 1.0)
 _TURNS = (" March", " June", " September", " December")
+_BEFORE = 7
+"""Points before sunset, ten minutes each, where a day's label is: between those of hours."""
 _COMPASS = {"N": (0, 1, 0), "E": (1, 0, 0), "S": (0, -1, 0), "W": (-1, 0, 0)}
 
 _handles: list[Any] = []
@@ -64,7 +66,7 @@ def _pieces(points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _labels(site: Site) -> list[tuple[str, NDArray[np.float64]]]:
-    """Texts and their places on the dome: hours on the highest day, days before sunset."""
+    """Texts and their places on the dome: the compass, days before sunset, hours at their top."""
     found: dict[str, NDArray[np.float64]] = {}
     for line in _path(site):
         if line.kind == "hour":
@@ -72,9 +74,10 @@ def _labels(site: Site) -> list[tuple[str, NDArray[np.float64]]]:
             if line.label not in found or top[2] > found[line.label][2]:
                 found[line.label] = 1.03 * top
         elif line.label.endswith((" March", " June", " December")):
-            found[line.label] = 1.05 * line.points[-1 - len(line.points) // 12]
+            found[line.label] = 1.05 * line.points[max(0, len(line.points) - _BEFORE)]
     north = to_model(np.array(list(_COMPASS.values()), dtype=float), site)
-    return [*found.items(), *zip(_COMPASS, 1.12 * north, strict=True)]
+    dates = sorted(found.items(), key=lambda item: item[0].endswith(" h"))
+    return [*zip(_COMPASS, 1.12 * north, strict=True), *dates]
 
 
 def draw_lines(context: bpy.types.Context) -> None:
@@ -97,15 +100,26 @@ def draw_lines(context: bpy.types.Context) -> None:
 
 
 def draw_labels(context: bpy.types.Context) -> None:
-    """Hours, dates, the compass, and the sun at the scene's date and hour, in pixels."""
+    """The sun at the scene's date and hour, the compass, dates and hours, none over another."""
     if not _is_on(context):
         return
     unit = context.preferences.system.ui_scale
     middle, radius = _dome(context)
+    taken: list[Box] = []
+    _draw_sun(context, middle, radius, unit, taken)
     for text, place in _labels(site_of(context.scene)):
         point = _pixel(context, middle + radius * place)
         if point is not None:
-            _write_on_card(text, point, unit)
+            _write_on_card(text, point, unit, taken)
+
+
+def _draw_sun(
+    context: bpy.types.Context,
+    middle: NDArray[np.float32],
+    radius: float,
+    unit: float,
+    taken: list[Box],
+) -> None:
     try:
         now = sun_now(context.scene)
     except HeliformError:
@@ -115,7 +129,8 @@ def draw_labels(context: bpy.types.Context) -> None:
         return
     _disc(point, 7 * unit)
     said = f"{_clock(context.scene.heliform.sun_hour)}  {now.altitude:.0f}° high"
-    _write_on_card(said, Vector((point.x + 14 * unit + width_of(said, unit) / 2, point.y)), unit)
+    beside = Vector((point.x + 14 * unit + width_of(said, unit) / 2, point.y))
+    _write_on_card(said, beside, unit, taken)
 
 
 def _is_on(context: bpy.types.Context) -> bool:
@@ -134,11 +149,21 @@ def _pixel(context: bpy.types.Context, place: NDArray[np.floating]) -> Vector | 
     return view and location_3d_to_region_2d(context.region, view, Vector(place))
 
 
-def _write_on_card(text: str, middle: Vector, unit: float) -> None:
-    wide = width_of(text, unit)
+def _write_on_card(text: str, middle: Vector, unit: float, taken: list[Box]) -> None:
+    """Write a text on a card about a place of the region, where no other card is ``taken``."""
+    wide, pad = width_of(text, unit), 3 * unit
     left, bottom = middle.x - wide / 2, middle.y - 4 * unit
-    pad = 3 * unit
-    rectangle(Box(left - pad, bottom - pad, left + wide + pad, bottom + 9 * unit + pad), CARD)
+    card = Box(left - pad, bottom - pad, left + wide + pad, bottom + 9 * unit + pad)
+    if any(
+        card.left < other.right
+        and other.left < card.right
+        and card.bottom < other.top
+        and other.bottom < card.top
+        for other in taken
+    ):
+        return
+    taken.append(card)
+    rectangle(card, CARD)
     write(text, left, bottom, unit, INK)
 
 

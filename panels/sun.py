@@ -13,7 +13,7 @@ from ..addon.properties import draw
 from ..engines.core import runtime
 from ..engines.core.colour import Display
 from ..engines.core.errors import HeliformError
-from ..engines.sun import Daylight, Radiation
+from ..engines.sun import SUN_DAYLIGHT, SUN_RADIATION, Daylight, Radiation
 from ..engines.sun.site import Site
 from . import Room
 from .scene import draw_progress, draw_sentence
@@ -53,15 +53,17 @@ class HELIFORM_PT_sun(Room, Panel):
             row.scale_y = 1.6
             row.operator("heliform.study_sun", icon="LIGHT_SUN")
         row = layout.row(align=True)
+        row.use_property_split = False
         row.prop(own, "live_sun", toggle=True, icon="REC")
         row.prop(own, "live_texels", text="Texels")
         if own.live_sun and live_sun.state.rate:
-            layout.label(text=f"{live_sun.state.rate:.1f} studies a second", icon="TIME")
+            layout.label(text=f"{live_sun.state.rate:.1f} a second", icon="TIME")
         if not runtime.choose().backend:
             draw_sentence(layout, f"Tracing is off: {runtime.choose().reason}.")
-        if own.live_sun:
+        said = {"", sun_place.weather_problem(context.scene)}
+        if own.live_sun and live_sun.state.problem not in said:
             draw_sentence(layout, live_sun.state.problem)
-        if jobs.state.label in _JOBS:
+        if jobs.state.label in _JOBS and jobs.state.message not in said:
             draw_sentence(layout, jobs.state.message)
 
 
@@ -173,14 +175,13 @@ class HELIFORM_PT_sun_more(_Part, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
-        """Everything but place, weather and time."""
+        """Everything but place, weather and time; and the studies as files that run anywhere."""
         _prepare(self.layout)
-        draw(
-            self.layout,
-            context.scene.heliform.radiation,
-            Radiation,
-            _SHARED,
-        )
+        draw(self.layout, context.scene.heliform.radiation, Radiation, _SHARED)
+        row = self.layout.row(align=True)
+        for analysis, text in ((SUN_RADIATION, "Export Study"), (SUN_DAYLIGHT, "Daylight")):
+            button = row.operator("heliform.export_study", text=text, icon="EXPORT")
+            button.analysis = analysis.name
 
 
 def _prepare(layout: UILayout) -> None:

@@ -153,6 +153,12 @@ def _keep(obj: bpy.types.Object, one: SunMap) -> None:
     obj[_MAPS] = json.dumps({"kinds": kinds, "sides": list(sides), "means": means})
 
 
+def say(scene: bpy.types.Scene, **facts: Any) -> None:
+    """Change what is said of the scene's study, in the legend too."""
+    scene[_FACTS] = json.dumps(json.loads(scene[_FACTS]) | facts)
+    repaint(scene)
+
+
 def staged_on(scene: bpy.types.Scene) -> list[bpy.types.Object]:
     """The receivers that a study's maps lie on, by their names."""
     return sorted((obj for obj in scene.objects if _is_staged(obj)), key=lambda obj: obj.name)
@@ -163,7 +169,9 @@ def _is_staged(obj: bpy.types.Object) -> bool:
     if _MAPS not in obj:
         return False
     kept = _kept(obj)
-    return results.find(obj, next(iter(kept["kinds"])), kept["sides"][0]) is not None
+    return all(
+        results.find(obj, kind, side) for side in kept["sides"] for kind in (_AREA, *kept["kinds"])
+    )
 
 
 def _kept(obj: bpy.types.Object) -> dict[str, Any]:
@@ -185,7 +193,7 @@ def mean_on(obj: bpy.types.Object, name: str) -> float:
     return _kept(obj)["means"].get(name, float("nan"))
 
 
-def _map_of(obj: bpy.types.Object) -> SunMap:
+def map_on(obj: bpy.types.Object) -> SunMap:
     """The maps of a receiver, from its images. Raises SceneError where they are gone."""
     kept = _kept(obj)
     sides = [_values(obj, kept["kinds"], side) for side in kept["sides"]]
@@ -222,7 +230,7 @@ def repaint(scene: bpy.types.Scene) -> None:
     if facts is None or name not in facts["quantities"]:
         return
     objects = [obj for obj in staged_on(scene) if name in _kept(obj)["means"]]
-    known = SunMaps(tuple(_map_of(obj) for obj in objects), _NO_TIMES, {}, {})
+    known = SunMaps(tuple(map_on(obj) for obj in objects), _NO_TIMES, {}, {})
     display = replace(read(scene.heliform.sun_display, Display), log=False)
     problem = ""
     try:

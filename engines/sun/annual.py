@@ -1,92 +1,15 @@
 """A year of daylight on sensors, a block of them at a time in bounded memory."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Protocol
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.progress import SILENT, Progress, part
-from ..core.scene import Body, Vector
-from . import blinds, en17037, metrics
-from .blind import Blind
-from .bounces import Surroundings
-from .coefficients import Coefficients, Sought, blocks, daylight_coefficients
-from .gathering import weights_of
-from .illuminance import Course, overcast
-from .inside import inside
-from .occlusion import Occluders
-from .rays import rays_of
+from .coefficients import blocks
+from .illuminance import Course
+from .interior import Interior, closed_in
+from .metrics import Light
 from .sensors import Sensors
-
-HOURS = 24
-"""Lit hours, spread over the period, from which the error of a single hour is told."""
-_TABLE = 1 << 21  # values of illuminance at a time: what stays in a processor's cache
-
-
-_NAMES = (
-    "daylight_factor",
-    "illuminance",
-    "daylight_autonomy",
-    "continuous_autonomy",
-    "udi_low",
-    "udi_supplementary",
-    "udi_useful",
-    "udi_high",
-    "direct_hours",
-)
-
-
-class Asked(Protocol):
-    """What of a `daylight.Daylight` the year depends on."""
-
-    @property
-    def bounces(self) -> int: ...
-    @property
-    def ground_reflectance(self) -> float: ...
-    @property
-    def target(self) -> float: ...
-    @property
-    def blinds_transmittance(self) -> float: ...
-    @property
-    def error(self) -> float: ...
-    @property
-    def paths(self) -> int: ...
-    @property
-    def open(self) -> bool: ...
-
-
-class Interior:
-    """Bodies, the N sensors among them, and whether their panes have blinds."""
-
-    def __init__(self, bodies: tuple[Body, ...], sensors: Sensors, veiled: bool) -> None:
-        self.sensors = sensors
-        self.around = Surroundings(bodies)
-        self.occluders = Occluders(bodies)
-        self.veiled = veiled and self.around.glazed
-        self.shut = Occluders(blinds.shut(bodies)) if self.veiled else self.occluders
-        self.shares = weights_of(sensors)
-
-
-@dataclass(frozen=True, slots=True)
-class Year:
-    """What a year of T intervals comes to on N sensors.
-
-    ``values``: name of `maps.QUANTITIES` → (N,). ``reached`` (N, 4): shares of the daylight hours
-    with each of `en17037.LIMITS`. ``course`` (T,): mean illuminance over the sensors by area in lx;
-    ``closed`` (T,): when the blinds are closed in the hours that count. ``errors``: 95 % half-width ÷ mean, root mean
-    square over the sensors, of "illuminance", "daylight_factor" and a single "hour". ``paths``:
-    the most that were followed from a sensor.
-    """
-
-    values: dict[str, Vector]
-    reached: Vector
-    course: Vector
-    closed: NDArray[np.bool_]
-    errors: dict[str, float]
-    paths: int
-    notes: tuple[str, ...]
+from .summing import Asked, Summing, Year
 
 
 def year_of(
@@ -104,9 +27,9 @@ def year_of(
     sensors = interior.sensors
     hours = np.where(counted, course.hours, 0.0)
     share = 0.1 if interior.veiled else 0.0
-    closed = _closed(interior, course, part(progress, 0.0, share))
-    summing = _Summing(interior, course, hours, closed, asked)
-    for rows in blocks(len(sensors)):
+    closed = closed_in(interior, course, part(progress, 0.0, share))
+    summing = Summing(interior, course, hours, closed, asked)
+    for rows in blocks(len(sensors), course.dome.count):
         step = (1 - share) / len(sensors)
         within = part(progress, share + step * rows.start, share + step * rows.stop)
         summing.add(rows, seed, within)
@@ -115,165 +38,21 @@ def year_of(
     return summing.year()
 
 
-def _closed(interior: Interior, course: Course, progress: Progress) -> NDArray[np.bool_]:
-    """In which intervals (T,) the blinds are closed."""
-    if not interior.veiled:
-        return np.zeros(len(course.hours), bool)
-    sunny = np.zeros(len(course.hours))
-    count = len(interior.sensors)
-    for rows in _tables(slice(0, count), len(course.hours)):
-        progress(rows.start / count, "Looking where the sun comes in")
-        direct = course.sunlight(interior.occluders, interior.sensors.some(rows))
-        sunny += blinds.sunny_area(direct, interior.shares[rows])
-    return blinds.closed(sunny)
+def light_at(
+    interior: Interior,
+    course: Course,
+    sensors: Sensors,
+    asked: Asked,
+    seed: int,
+    progress: Progress = SILENT,
+) -> Light:
+    """Illuminance (N, T) in lx of a few sensors, with blinds as they move for ``interior``'s own.
 
-
-@dataclass(frozen=True, slots=True)
-class _Asking:
-    """What is sought of coefficients with the blinds open, or with them closed.
-
-    ``sought``: of the mean sky of the hours in which they are, ÷ all hours; of the overcast sky; of
-    ``single`` (k,) hours. ``square``: the sums over the sensors, by their share of the area, of the
-    squares of these skies' half-widths.
+    Raises RuntimeMissing where nothing can be traced, Cancelled.
     """
-
-    sought: Sought
-    single: NDArray[np.int64]
-    square: Vector
-
-
-def _asking(course: Course, hours: Vector, chosen: NDArray[np.bool_], asked: Asked) -> _Asking:
-    lit = np.flatnonzero((hours > 0) & chosen & course.sky.any(axis=0))
-    single = lit[np.linspace(0, len(lit) - 1, min(HOURS, len(lit))).round().astype(np.int64)]
-    weights = np.zeros((len(hours), 1 + len(single)))
-    weights[:, 0] = np.where(chosen, hours, 0.0) / hours.sum()
-    weights[single, 1 + np.arange(len(single))] = 1.0
-    skies = course.luminances(weights)
-    cloudy = np.tile(overcast(course.dome, asked.ground_reflectance)[None, :, None], (2, 1, 1))
-    order = np.concatenate([skies[:, :, :1], cloudy, skies[:, :, 1:]], axis=2)
-    return _Asking(Sought(order, asked.error, asked.paths), single, np.zeros(order.shape[2]))
-
-
-class _Summing:
-    """The sums that make a `Year`, block by block."""
-
-    def __init__(
-        self,
-        interior: Interior,
-        course: Course,
-        hours: Vector,
-        closed: NDArray[np.bool_],
-        asked: Asked,
-    ) -> None:
-        self.interior, self.course, self.hours, self.asked = interior, course, hours, asked
-        self.closed = closed
-        self.behind = course.some(closed)
-        self.open = _asking(course, hours, ~closed, asked)
-        self.veiled = _asking(course, hours, closed, asked) if closed.any() else None
-        self.daylit = np.where(course.up, course.hours, 0.0)
-        count = len(interior.sensors)
-        self.values = {name: np.zeros(count) for name in _NAMES}
-        self.reached = np.zeros((count, len(en17037.LIMITS)))
-        self.mean = np.zeros(len(hours))
-        self.paths = 0
-
-    def add(self, rows: slice, seed: int, progress: Progress) -> None:
-        """Trace and sum up a block of sensors."""
-        middle = 0.5 if self.veiled else 0.9
-        plain = self._found(rows, self.open, 0.0, (seed, rows.start), part(progress, 0.0, middle))
-        self.values["daylight_factor"][rows] = 100 * plain.value[:, 1]
-        veiled = None
-        if self.veiled:
-            veil, rest = self.asked.blinds_transmittance, part(progress, middle, 0.9)
-            veiled = self._found(rows, self.veiled, veil, (seed, rows.start, 1), rest)
-        for table in _tables(rows, len(self.hours)):
-            done = (table.start - rows.start) / (rows.stop - rows.start)
-            progress(0.9 + 0.1 * done, "Summing the hours")
-            here = slice(table.start - rows.start, table.stop - rows.start)
-            some = self.interior.sensors.some(table)
-            direct = self.course.sunlight(self.interior.occluders, some)
-            light = self.course.light(plain.some(here), direct)
-            if veiled is not None:
-                shining = self.behind.sunlight(self.interior.shut, some)
-                light[:, self.closed] = self.behind.light(veiled.some(here), shining)
-            self._sum(table, light, direct)
-
-    def _found(
-        self, rows: slice, asking: _Asking, veil: float, key: tuple[int, ...], progress: Progress
-    ) -> Coefficients:
-        found = daylight_coefficients(
-            self.interior.around,
-            self.interior.sensors.some(rows),
-            self.course.dome,
-            self.asked.bounces,
-            asking.sought,
-            veil=veil,
-            seed=int(np.random.SeedSequence(key).generate_state(1)[0]),
-            progress=progress,
-        )
-        asking.square[:] += self.interior.shares[rows] @ found.half_width**2
-        self.paths = max(self.paths, found.paths)
-        return found
-
-    def _sum(self, rows: slice, light: metrics.Light, direct: metrics.Light) -> None:
-        hours, target = self.hours, self.asked.target
-        dark, dim, bright, glaring = metrics.useful(light, hours)
-        found = {
-            "illuminance": metrics.mean_light(light, hours),
-            "daylight_autonomy": 100 * metrics.autonomy(light, hours, target),
-            "continuous_autonomy": 100 * metrics.continuous_autonomy(light, hours, target),
-            "udi_low": 100 * dark,
-            "udi_supplementary": 100 * dim,
-            "udi_useful": 100 * (dim + bright),
-            "udi_high": 100 * glaring,
-            "direct_hours": metrics.hours_above(direct, hours),
-        }
-        for name, values in found.items():
-            self.values[name][rows] = values
-        if self.daylit.any():
-            for column, limit in enumerate(en17037.LIMITS):
-                self.reached[rows, column] = metrics.autonomy(light, self.daylit, limit)
-        self.mean += self.interior.shares[rows].astype(np.float32) @ light
-
-    def year(self) -> Year:
-        """What has been found of all blocks."""
-        shares = self.interior.shares
-        parts = [one for one in (self.open, self.veiled) if one]
-        square = sum(float(one.square[0]) for one in parts)
-        single = np.concatenate([one.square[2:] for one in parts])
-        level = self.mean[np.concatenate([one.single for one in parts])]
-        factor = float(shares @ self.values["daylight_factor"]) / 100
-        errors = {
-            "illuminance": _ratio(np.sqrt(square), float(shares @ self.values["illuminance"])),
-            "daylight_factor": _ratio(np.sqrt(self.open.square[1]), factor),
-        }
-        if len(single):
-            share = np.divide(single, level**2, out=np.zeros_like(single), where=level > 0)
-            errors["hour"] = float(np.sqrt(share.mean()))
-        return Year(
-            self.values,
-            self.reached,
-            self.mean,
-            self.closed & (self.hours > 0),
-            errors,
-            self.paths,
-            (*self.interior.sensors.notes, *self.interior.around.told(), *self._buried()),
-        )
-
-    def _buried(self) -> tuple[str, ...]:
-        """How many sensors are inside of which solid: such ones are dark."""
-        dark = np.flatnonzero(self.values["daylight_factor"] == 0)
-        fan = rays_of(self.interior.occluders, self.interior.sensors.some(dark), np.zeros((0, 3)))
-        found = inside(self.interior.occluders, fan.origins, fan.normals)
-        return Blind(len(self.interior.sensors), 0, found).told()
-
-
-def _ratio(error: float, level: float) -> float:
-    return float(error / level) if level > 0 else 0.0
-
-
-def _tables(rows: slice, columns: int) -> Iterator[slice]:
-    """Runs of sensors whose hourly values stay in the cache."""
-    step = max(1, _TABLE // max(columns, 1))
-    for start in range(rows.start, rows.stop, step):
-        yield slice(start, min(start + step, rows.stop))
+    closed = closed_in(interior, course, part(progress, 0.0, 0.1))
+    few = interior.at(sensors)
+    summing = Summing(few, course, course.hours, closed, asked)
+    every = slice(0, len(sensors))
+    plain, veiled = summing.coefficients(every, seed, part(progress, 0.1, 0.9))
+    return summing.light(every, plain, veiled)[0]

@@ -7,7 +7,6 @@ returns light on both of its sides, by its face and not by smooth normals. Panes
 straight, as `panes` says; what they throw back is left out.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,44 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import runtime
-from ..core.scene import Body, Material, Vector
+from ..core.scene import Vector
 from . import panes
-from .occlusion import is_pane
 from .patches import rows_of
 from .site import Site, to_world
-from .soup import CLOSE, Soup
+from .soup import CLOSE
+from .surroundings import RECORD, Surroundings
 
-_RECORD = 8
-"""Floats a triangle: its normal, whether it is a pane, and of a pane index, absorption and whether
-it is a sheet, of others what they return, the share of that as a mirror does, and nothing."""
 _LONGEST = 256
 """Surfaces, panes among them, that a path may meet."""
-
-
-class Surroundings:
-    """All bodies about ``centre`` (3,) m in one tree, with what each triangle does to light."""
-
-    def __init__(self, bodies: tuple[Body, ...], centre: Vector | None = None) -> None:
-        if centre is None:
-            centre = _middle(bodies)
-        self.soup = Soup(bodies, centre)
-        self.records: Any = None
-        if self.soup.scene is not None:
-            mi = runtime.mitsuba()
-            self.records = mi.Float(_records(self.soup).ravel())
-
-    @property
-    def glazed(self) -> bool:
-        """Whether there is a pane."""
-        return any(is_pane(body.material) for body in self.soup.bodies)
-
-    def told(self) -> tuple[str, ...]:
-        """What is left out of how its materials treat light, a sentence each."""
-        return (*_left_out(self.soup.bodies), *panes.told(self._only_panes()))
-
-    def _only_panes(self) -> Soup:
-        glass = tuple(body for body in self.soup.bodies if is_pane(body.material))
-        return Soup(glass, self.soup.centre)
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,7 +156,7 @@ def _step(path: _Path, around: Surroundings, rules: _Rules) -> _Path:
     hit = around.soup.scene.ray_intersect_preliminary(ray, coherent=False, active=path.active)
     met = path.active & hit.is_valid()
     record = dr.gather(
-        mi.ArrayXf, around.records, hit.prim_index, met, shape=(_RECORD, dr.width(hit.t))
+        mi.ArrayXf, around.records, hit.prim_index, met, shape=(RECORD, dr.width(hit.t))
     )
     normal = mi.Vector3f(record[0], record[1], record[2])
     along = dr.dot(path.direction, normal)
@@ -266,49 +236,3 @@ def _patch(direction: Any, dome: Dome) -> Any:
 
 def _loaded(kind: Any, vectors: NDArray[np.float32]) -> Any:
     return kind(np.ascontiguousarray(vectors.T))
-
-
-def _records(soup: Soup) -> NDArray[np.float32]:
-    """(T, _RECORD) of the soup's triangles."""
-    own = np.array([_own(soup, number) for number in range(len(soup.bodies))])
-    outward = soup.normals() * soup.orientation[soup.owner, None]
-    spare = np.zeros((len(outward), 1))
-    return np.concatenate([outward, own[soup.owner], spare], axis=1).astype(np.float32)
-
-
-def _own(soup: Soup, number: int) -> tuple[float, float, float, float]:
-    material = soup.bodies[number].material
-    if is_pane(material):
-        return 1.0, material.ior, material.absorption, float(not soup.closed(number))
-    returned, mirrored = _returned(material)
-    return 0.0, returned, mirrored / returned if returned else 0.0, 0.0
-
-
-def _returned(material: Material) -> tuple[float, float]:
-    """What an opaque surface returns in all, and as a mirror does."""
-    match material.kind:
-        case "diffuse":
-            return material.reflectance, 0.0
-        case "plastic":
-            matte = (1 - material.specularity) * material.reflectance
-            return material.specularity + matte, material.specularity
-        case "mirror":
-            return material.reflectance, material.reflectance
-    return 0.0, 0.0
-
-
-def _left_out(bodies: tuple[Body, ...]) -> Iterator[str]:
-    for body in bodies:
-        if body.material.kind == "dielectric" and not is_pane(body.material):
-            yield f"“{body.name}” is ground glass, which is taken as black here."
-        elif body.material.kind == "mirror" and body.material.roughness > 0:
-            yield f"“{body.name}” is a satin mirror, which is taken as a smooth one here."
-
-
-def _middle(bodies: tuple[Body, ...]) -> Vector:
-    places = [body.mesh.vertices for body in bodies if len(body.mesh.vertices)]
-    if not places:
-        return np.zeros(3)
-    low = np.min([p.min(axis=0) for p in places], axis=0)
-    high = np.max([p.max(axis=0) for p in places], axis=0)
-    return (low + high) / 2

@@ -25,7 +25,8 @@ FEW = 1024
 FEWEST = 8
 """Rounds: with fewer the error itself would be too uncertain."""
 BLOCK = 4096
-"""Sensors at a time: a million paths a round, and 40 MB of coefficients at 577 patches."""
+"""Sensors at a time, of which each sends 256 paths in a round: a million."""
+_NUMBERS = 1 << 22  # coefficients at a time: 32 MB, some three times over
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +97,7 @@ def daylight_coefficients(
     seed: int = 0,
     progress: Progress = SILENT,
 ) -> Coefficients:
-    """The coefficients of up to BLOCK sensors, or of as many as memory holds.
+    """The coefficients of as many sensors as memory holds: of some of `blocks`.
 
     Each path is followed for ``bounces`` reflections; ``veil`` is as `bounces.escapes` says. The
     same ``seed`` gives the same coefficients. Raises RuntimeMissing where nothing can be traced,
@@ -133,9 +134,10 @@ def daylight_coefficients(
     )
 
 
-def blocks(count: int) -> Iterator[slice]:
-    """Runs of up to BLOCK sensors."""
-    return (slice(first, min(first + BLOCK, count)) for first in range(0, count, BLOCK))
+def blocks(count: int, patches: int = 578) -> Iterator[slice]:
+    """Runs of up to BLOCK sensors, fewer with many ``patches``."""
+    step = max(1, min(BLOCK, _NUMBERS // patches))
+    return (slice(first, min(first + step, count)) for first in range(0, count, step))
 
 
 def open_patches(dome: Dome) -> Vector:

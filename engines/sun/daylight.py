@@ -11,17 +11,20 @@ from .. import VERSION
 from ..core.parameters import nested, param, to_table
 from ..core.progress import SILENT, Progress, part
 from ..core.scene import Body, Material, Scene
-from .annual import Interior, Year, year_of
+from .annual import light_at, year_of
 from .bounces import Dome
 from .daylight_figures import daylight_figures
-from .illuminance import course_of
+from .illuminance import Course, course_of
+from .interior import Interior
 from .maps import SunMap, SunMaps, quantities_of
+from .metrics import Light
 from .occlusion import mesh_of
 from .periods import Period, period_text, selected
 from .position import sun_position
 from .radiation import areas_of, looking_down, sensors_in
 from .sensors import Sensors, joined
 from .site import Site
+from .summing import Year
 from .weather import Weather
 from .weights import weather_of
 
@@ -85,34 +88,23 @@ def study_daylight(
     """
     started = time.perf_counter()
     progress(0.0, "Reading the weather")
-    weather, site = weather_of(record.site, record.weather_file)
-    counted = selected(weather, record.period, site)
+    course, counted, source = light_of(record)
     annual = record.period.span == "year"
-    mask = counted | (_up(weather, site) if annual else False)
-    dome = Dome(record.subdivision, site)
-    course = course_of(
-        weather,
-        site,
-        dome,
-        mask,
-        accuracy=record.accuracy,
-        ground_reflectance=record.ground_reflectance,
-    )
     parts = sensors_in(scene)
     bodies = surfaces_of(scene)
     interior = Interior(bodies, joined(*parts), record.blinds)
-    year = year_of(interior, course, counted[mask], record, seed, part(progress, 0.05, 1.0))
+    year = year_of(interior, course, counted, record, seed, part(progress, 0.05, 1.0))
     maps = _maps(scene, parts, year)
     figures, said = daylight_figures(maps, interior, course, year, record, annual)
     notes = [*course.notes, *year.notes, *_notes(scene, record, interior), *said]
     meta: dict[str, Any] = {
         "kind": "daylight",
         "parameters": to_table(record),
-        "site": to_table(site),
-        "source": weather.source,
+        "site": to_table(course.dome.site),
+        "source": source,
         "period": period_text(record.period),
         "suns": len(course.suns.directions),
-        "patches": dome.count - 1,
+        "patches": course.dome.count - 1,
         "accuracy": float(np.degrees(course.suns.accuracy)),
         "paths": year.paths,
         "notes": list(dict.fromkeys([*notes, *looking_down(scene, parts)])),
@@ -122,8 +114,46 @@ def study_daylight(
         "seed": seed,
         "seconds": time.perf_counter() - started,
     }
-    inside = counted[mask]
-    return SunMaps(maps, course.times[inside], {"illuminance": year.course[inside]}, meta)
+    return SunMaps(maps, course.times[counted], {"illuminance": year.course[counted]}, meta)
+
+
+def illuminance_at(
+    scene: Scene,
+    record: Daylight,
+    sensors: Sensors,
+    *,
+    seed: int = 0,
+    progress: Progress = SILENT,
+) -> tuple[NDArray[np.datetime64], Light]:
+    """The period's intervals (T,), UTC, and the illuminance (N, T) of a few sensors in lx.
+
+    For a picked place's hours. Blinds close as they do in the study of the whole scene. Raises what
+    `study_daylight` does.
+    """
+    course, counted, _ = light_of(record)
+    course = course.some(counted)
+    interior = Interior(surfaces_of(scene), joined(*sensors_in(scene)), record.blinds)
+    light = light_at(interior, course, sensors, record, seed, progress)
+    return course.times, light
+
+
+def light_of(record: Daylight) -> tuple[Course, NDArray[np.bool_], str]:
+    """The daylight that is needed, which of its T intervals the period counts, and its source.
+
+    Over a whole year the hours of daylight are among them, which EN 17037 is about.
+    """
+    weather, site = weather_of(record.site, record.weather_file)
+    counted = selected(weather, record.period, site)
+    mask = counted | _up(weather, site) if record.period.span == "year" else counted
+    course = course_of(
+        weather,
+        site,
+        Dome(record.subdivision, site),
+        mask,
+        accuracy=record.accuracy,
+        ground_reflectance=record.ground_reflectance,
+    )
+    return course, counted[mask], weather.source
 
 
 def surfaces_of(scene: Scene) -> tuple[Body, ...]:

@@ -5,9 +5,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from . import blinds, en17037, metrics
-from .annual import Interior, Year
 from .illuminance import Course
+from .interior import Interior
 from .maps import SunMap, figures_of
+from .summing import Year
 
 _WORKING = (8.0, 18.0)
 

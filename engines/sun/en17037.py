@@ -1,10 +1,10 @@
 """EN 17037, daylight in buildings: levels of daylight provision and of exposure to sunlight."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core.progress import SILENT, Progress
+from ..core.progress import SILENT, Progress, part
 from ..core.scene import Vector
 from .metrics import HALF, area_share
 from .occlusion import Occluders
@@ -12,7 +12,7 @@ from .position import sun_position
 from .sensors import Sensors
 from .site import Site, to_model
 from .times import moment
-from .visibility import weighted
+from .visibility import visible
 
 LEVELS = ("none", "minimum", "medium", "high")
 TARGET, LEAST = (300.0, 500.0, 750.0), (100.0, 300.0, 500.0)
@@ -23,6 +23,7 @@ SUNLIGHT = (1.5, 3.0, 4.0)
 LIMITS = tuple(sorted({*TARGET, *LEAST}))
 """All the illuminances that matter: 100, 300, 500 and 750 lx."""
 _STEPS = 12  # moments of an hour
+_BLOCK = 1 << 16  # sensors at a time
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +54,7 @@ def provision(reached: Vector, areas: Vector) -> Provision:
         a >= TARGET_AREA - 1e-9 and b >= LEAST_AREA - 1e-9
         for a, b in zip(target, least, strict=True)
     ]
-    return Provision(int(np.cumprod(met).sum()), target, least)
+    return Provision(sum(met), target, least)
 
 
 def sunlight_hours(
@@ -68,7 +69,7 @@ def sunlight_hours(
     """Hours of possible sun (N,) on a date (year, month, day), however cloudy.
 
     Counted every five minutes while the sun is ``lowest`` degrees up or more, in front of the
-    sensors. Raises ParameterError for no such day, RuntimeMissing, Cancelled.
+    sensors, be it through panes. Raises ParameterError for no such day, RuntimeMissing, Cancelled.
     """
     midnight = moment(*date, 0.0, site)
     steps = (np.arange(24 * _STEPS) + 0.5) * (3600 / _STEPS)
@@ -78,9 +79,15 @@ def sunlight_hours(
     directions = to_model(at.direction[up], site)
     if not len(directions):
         return np.zeros(len(sensors))
-    share = np.full(len(directions), 1 / _STEPS)
-    seen, _ = weighted(occluders, sensors, directions, share, cosine=False, progress=progress)
-    return seen
+    found = np.zeros(len(sensors))
+    for start in range(0, len(sensors), _BLOCK):
+        rows = slice(start, start + _BLOCK)
+        within = part(progress, start / len(sensors), min(1.0, rows.stop / len(sensors)))
+        seen = visible(occluders, sensors.some(rows), directions, progress=within)
+        # Sun through glass is sun.
+        plain = replace(seen, through=None)
+        found[rows] = plain.dot(np.full(len(directions), 1 / _STEPS), cosine=False)
+    return found
 
 
 def sunlight_level(hours: float) -> int:

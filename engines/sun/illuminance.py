@@ -100,8 +100,10 @@ class Course:
                 self.suns.weights @ (self.direct * weights),
             ]
         )
-        found = np.empty(len(normals))
         towards = to_model(directions, self.dome.site).T
+        if len(normals) and (normals == normals[0]).all():
+            return np.repeat(np.maximum(normals[:1] @ towards, 0.0) @ light, len(normals))
+        found = np.empty(len(normals))
         for start in range(0, len(normals), _ROWS):
             rows = slice(start, start + _ROWS)
             found[rows] = np.maximum(normals[rows] @ towards, 0.0) @ light

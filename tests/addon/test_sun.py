@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
+import gpu
 import numpy as np
 import pytest
 from heliform.addon import live_sun, sun_overlay, sun_place
@@ -17,6 +19,7 @@ from heliform.engines.sun.periods import Period
 from heliform.engines.sun.position import sun_position
 from heliform.engines.sun.site import Site
 from heliform.engines.sun.times import moment
+from mathutils import Matrix
 
 NOON = Period(span="summer solstice", first_hour=9.0, last_hour=15.0)
 CHEAP = Radiation(period=NOON, subdivision=1, accuracy=5.0)
@@ -62,7 +65,7 @@ def asked_directly(canopy: float = -4.5) -> SunMaps:
 @pytest.mark.parametrize("name", MAPS)
 def test_every_map_is_an_image_of_what_the_engine_says(study, name):
     bpy.context.scene.heliform.sun_map = name
-    kept = sun._map_of(study).maps[name]
+    kept = sun.map_on(study).maps[name]
     np.testing.assert_allclose(kept, asked_directly().maps[0].maps[name], rtol=1e-4, atol=1e-4)
     layer = layers.layer_of(study)
     assert layer.quantity == QUANTITIES[name][0]
@@ -71,7 +74,7 @@ def test_every_map_is_an_image_of_what_the_engine_says(study, name):
 
 
 def test_the_canopy_shades_its_half(study):
-    sunny = sun._map_of(study).maps["sun_hours"].mean(axis=0)
+    sunny = sun.map_on(study).maps["sun_hours"].mean(axis=0)
     assert sunny[-1] == 6
     assert sunny[0] == 0
     assert sun.mean_on(study, "sun_hours") == pytest.approx(sunny.mean())
@@ -96,7 +99,7 @@ def test_both_sides_have_their_own_pictures(ground):
         results.pixels_of(results.find(ground, results.PICTURE, side)) for side in ("front", "back")
     )
     assert np.abs(front - back).max() > 0.3
-    assert sun._map_of(ground).maps["direct"][1].max() == 0
+    assert sun.map_on(ground).maps["direct"][1].max() == 0
 
 
 def test_a_mesh_without_a_map_is_unwrapped_and_measured(scene):
@@ -110,7 +113,7 @@ def test_a_mesh_without_a_map_is_unwrapped_and_measured(scene):
     assert bpy.ops.heliform.study_sun() == {"FINISHED"}
     facts = sun.facts_of(scene)
     assert any("was unwrapped" in note for note in facts["notes"])
-    direct = sun._map_of(obj).maps["direct"]
+    direct = sun.map_on(obj).maps["direct"]
     assert np.nanmax(direct) > 1
     assert np.nanmin(direct) == 0
 
@@ -121,15 +124,15 @@ def test_live_sun_follows_a_canopy_that_moves(ground):
     scene.heliform.live_sun = True
     assert not live_sun.state.problem
     np.testing.assert_allclose(
-        sun._map_of(ground).maps["total"], asked_directly().maps[0].maps["total"], rtol=1e-4
+        sun.map_on(ground).maps["total"], asked_directly().maps[0].maps["total"], rtol=1e-4
     )
     bpy.data.objects["Canopy"].location.x = -3.5
     live_sun.changed(scene)
     np.testing.assert_allclose(
-        sun._map_of(ground).maps["total"], asked_directly(-3.5).maps[0].maps["total"], rtol=1e-4
+        sun.map_on(ground).maps["total"], asked_directly(-3.5).maps[0].maps["total"], rtol=1e-4
     )
     scene.heliform.live_texels = 4
-    assert sun._map_of(ground).area.shape == (2, 4)
+    assert sun.map_on(ground).area.shape == (2, 4)
     assert layers.layer_of(ground).footing[-1].startswith("live")
 
 
@@ -178,7 +181,7 @@ def test_one_sensor_has_its_hours_as_a_picture(study):
     (mark,) = layers.layer_of(study).marks
     assert "kWh/m²" in mark.label
     found = float(mark.label.split()[1])
-    there = sun._map_of(study).maps["total"]
+    there = sun.map_on(study).maps["total"]
     assert there.min() - 1e-3 <= found <= there.max() * 1.001
 
 
@@ -295,7 +298,7 @@ def test_units_do_not_change_what_is_measured(ground):
     ground.heliform.plane.width, ground.heliform.plane.length = 400.0, 200.0
     bpy.ops.heliform.study_sun()
     np.testing.assert_allclose(
-        sun._map_of(ground).maps["total"], asked_directly().maps[0].maps["total"], rtol=1e-3
+        sun.map_on(ground).maps["total"], asked_directly().maps[0].maps["total"], rtol=1e-3
     )
 
 
@@ -308,7 +311,7 @@ def test_daylight_has_its_maps_and_figures(ground):
     facts = sun.facts_of(scene)
     assert scene.heliform.sun_map == "daylight_autonomy"
     assert facts["period"] == "year, 8 to 18 h"
-    factor = sun._map_of(ground).maps["daylight_factor"].mean(axis=0)
+    factor = sun.map_on(ground).maps["daylight_factor"].mean(axis=0)
     assert factor[-1] > 2 * factor[0]
     assert any(name.startswith("sda_") for name in facts["figures"])
     folder = Path(facts["folder"])
@@ -321,3 +324,60 @@ def test_what_is_asked_names_the_weather_by_its_whole_path(ground, tmp_path):
     bpy.context.scene.heliform.radiation.weather_file = "//here.epw"
     asked = sun.asked(bpy.context.scene, SUN_RADIATION.record)
     assert asked.weather_file == str(tmp_path / "here.epw")
+
+
+class Region:
+    width, height = 800, 800
+
+
+class View:
+    """A view from above, 80 m wide."""
+
+    area = object = None
+    region = Region
+    preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))
+    perspective_matrix = Matrix.Diagonal((1 / 40, 1 / 40, -1 / 100, 1))
+
+    def __init__(self, scene):
+        self.scene = scene
+        self.view_layer = bpy.context.view_layer
+        self.space_data = SimpleNamespace(
+            overlay=SimpleNamespace(show_overlays=True), region_3d=self
+        )
+
+
+def drawn(scene):
+    """The overlay on black, (800, 800, 3) from the bottom up."""
+    gpu.init()
+    screen = gpu.types.GPUOffScreen(Region.width, Region.height, format="RGBA16F")
+    pixels = Matrix.Translation((-1, -1, 0)) @ Matrix.Diagonal((2 / 800, 2 / 800, 1, 1))
+    try:
+        with screen.bind(), gpu.matrix.push_pop():
+            gpu.matrix.load_matrix(Matrix.Identity(4))
+            framebuffer = gpu.state.active_framebuffer_get()
+            framebuffer.clear(color=(0.0, 0.0, 0.0, 1.0), depth=1.0)
+            gpu.matrix.load_projection_matrix(View.perspective_matrix)
+            sun_overlay.draw_lines(View(scene))
+            gpu.matrix.load_projection_matrix(pixels)
+            sun_overlay.draw_labels(View(scene))
+            read = framebuffer.read_color(0, 0, Region.width, Region.height, 4, 0, "FLOAT")
+    finally:
+        screen.free()
+    return np.array(read.to_list())[..., :3]
+
+
+def test_the_sun_is_drawn_where_it_stands(scene):
+    own = scene.heliform
+    assert not drawn(scene).any()
+    own.sun_path = True
+    own.sun_month, own.sun_day, own.sun_hour = 3, 20, 9.0
+    view = drawn(scene)
+    now = sun_place.sun_now(scene)
+    radius = 1.25 * sun_place.middle_and_radius(bpy.context.view_layer)[1]
+    column, row = (round(400 + 10 * radius * axis) for axis in now.direction[:2])
+    np.testing.assert_allclose(view[row, column], sun_overlay._SUN[:3], atol=0.01)
+    ring = np.hypot(*(np.indices((800, 800)) - 400)) - 10 * radius
+    assert (view[np.abs(ring) < 1].max(axis=-1) > 0.1).mean() > 0.5  # the horizon
+    own.sun_hour = 0.0
+    night = drawn(scene)
+    assert np.abs(night - sun_overlay._SUN[:3]).max(axis=-1).min() > 0.01

@@ -7,7 +7,7 @@ from heliform.engines.core.scene import Body, Material, Mesh
 from heliform.engines.sun.sensors import on_plane
 from peers.radiance import run
 
-DEGREE = 6.0
+DEGREE = 20.0
 """The suns' width, which does not count as shadow rays go to their centres. Radiance sends none
 where solid angle × cosine is below 1e-6: suns of their own 0.533° lower than 0.8° would be lost."""
 _SIDES = np.array(
@@ -61,7 +61,8 @@ def shell(size, opening, reflectances=(0.2, 0.5, 0.7)):
     """
     a, b = size[0] / 2, size[1] / 2
     h = size[2]
-    (c, e), (d, f) = ((s / 2 + o, s / 2 - o) for s, o in zip(opening, (0.0131, 0.0073), strict=True))
+    c, e = opening[0] / 2 + 0.0131, opening[0] / 2 - 0.0131
+    d, f = opening[1] / 2 + 0.0061, opening[1] / 2 - 0.0061
 
     def level(x0, y0, x1, y1, z):
         return [(x0, y0, z), (x1, y0, z), (x1, y1, z), (x0, y1, z)]
@@ -130,6 +131,25 @@ def write_suns(folder: Path, directions, normal=None) -> None:
     run(folder, "oconv", "-i", "scene.oct", "suns.rad", out="suns.oct")
 
 
+def free(bodies, origins, directions):
+    """Whether rays (n,) meet no triangle, one by one in double precision [Möller–Trumbore 1997]."""
+    meshes = [body.mesh.triangles() for body in bodies]
+    first, second, third = np.concatenate([m.vertices[m.faces] for m in meshes]).swapaxes(0, 1)
+    u, v = second - first, third - first
+    found = np.empty(len(origins), bool)
+    for k, (origin, direction) in enumerate(zip(origins, directions, strict=True)):
+        across = np.cross(direction, v)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            scale = 1 / np.einsum("ij,ij->i", u, across)
+            offset = origin - first
+            a = np.einsum("ij,ij->i", offset, across) * scale
+            turned = np.cross(offset, u)
+            b = turned @ direction * scale
+            distance = np.einsum("ij,ij->i", v, turned) * scale
+            found[k] = not ((a >= 0) & (b >= 0) & (a + b <= 1) & (distance > 0)).any()
+    return found
+
+
 DIRECT = ("-h", "-fff", "-I", "-ab", 0, "-dt", 0, "-dj", 0, "-ds", 0)
 
 
@@ -189,7 +209,23 @@ def illuminance(folder: Path, sensors, bounces, samples, threads=2):
     """Illuminance (N,) of `write_daylight` after up to ``bounces`` reflections, without caching."""
     command = (
         *("rtrace", "-n", threads, "-h", "-fff", "-I", "-ab", bounces + 1, "-ad", samples),
-        *("-as", 0, "-aa", 0, "-lw", 1e-4 / samples, "-lr", 20, "-dt", 0, "-dj", 0, "-ds", 0, "day.oct"),
+        *(
+            "-as",
+            0,
+            "-aa",
+            0,
+            "-lw",
+            1e-4 / samples,
+            "-lr",
+            20,
+            "-dt",
+            0,
+            "-dj",
+            0,
+            "-ds",
+            0,
+            "day.oct",
+        ),
     )
     found = run(folder, *command, data=rays(sensors))
     return np.frombuffer(found, "<f4").reshape(-1, 3)[:, 1].astype(float)

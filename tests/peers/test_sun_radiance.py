@@ -4,26 +4,24 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from heliform.engines.sun import hourly
 from heliform.engines.sun.bounces import Dome, Surroundings
 from heliform.engines.sun.coefficients import Sought, daylight_coefficients
 from heliform.engines.sun.gathering import gather
-from heliform.engines.sun.hourly import hourly_skies
 from heliform.engines.sun.illuminance import course_of, overcast
 from heliform.engines.sun.luminance import horizontal_integral
 from heliform.engines.sun.occlusion import Occluders
 from heliform.engines.sun.patches import patches_of
 from heliform.engines.sun.periods import Period
-from heliform.engines.sun.position import sun_position
-from heliform.engines.sun.sensors import at_points
 from heliform.engines.sun.sky_matrix import cumulative
 from heliform.engines.sun.suns import true_suns
 from heliform.engines.sun.visibility import visible
 from heliform.engines.sun.weights import sources_of
 from numpy.testing import assert_allclose
-from peers.skies import gendaymtx, typical_year
+from peers.skies import gendaymtx, radiance_position, radiance_sun, typical_year
 from peers.sun_scenes import (
-    disc,
     enclosure,
+    free,
     illuminance,
     in_enclosure,
     patch_coefficients,
@@ -47,7 +45,7 @@ SCENES = {
     "enclosure": (enclosure(), in_enclosure(0.12), in_enclosure(0.017)),
 }
 GROUND = 0.2
-EDGE = 2e-5  # m: single precision in a scene of 12 m, with a margin
+EDGE = 3e-4  # m
 
 
 @pytest.fixture(params=list(SCENES))
@@ -58,37 +56,29 @@ def scene(request, tmp_path):
     return bodies, few, many, tmp_path
 
 
-def at_edges(occluders, sensors, directions, cells):
-    """Which of the cells, (sensor, direction), change when the sensor moves by `EDGE`."""
-    sensor, direction = cells
-    found = np.zeros(len(sensor), bool)
-    for turn in np.arange(8) * np.pi / 4:
-        step = EDGE * np.array([np.cos(turn), np.sin(turn), 0.0])
-        moved = at_points(sensors.points + step, sensors.normals)
-        for k, (i, j) in enumerate(zip(sensor, direction, strict=True)):
-            near = [
-                visible(occluders, one.some(np.array([i])), directions[j : j + 1]).seen[0, 0] & 1
-                for one in (moved, sensors)
-            ]
-            found[k] |= near[0] != near[1]
-    return found
-
-
 def same_hours(bodies, sensors, folder, directions):
-    """Compare sensor by sensor which suns are seen; returns how many differ."""
-    occluders = Occluders(bodies)
+    """Compare sensor by sensor which suns are seen.
+
+    Where they differ, the ray passes an edge so closely that a shift by `EDGE` would decide.
+    """
     write_suns(folder, directions)
     theirs = sun_coefficients(folder, sensors, len(directions)) > 0
-    ours = visible(occluders, sensors, directions).values() > 0
+    ours = visible(Occluders(bodies), sensors, directions).values() > 0
     assert 0.02 < ours.mean() < 0.98
-    differ = np.nonzero(ours != theirs)
-    assert len(differ[0]) < 1e-4 * ours.size
-    assert at_edges(occluders, sensors, directions, differ).all()
-    return len(differ[0])
+    sensor, direction = np.nonzero(ours != theirs)
+    assert len(sensor) < 2e-4 * ours.size
+    towards, origins = directions[direction], sensors.origins[sensor]
+    exact = free(bodies, origins, towards)
+    near = np.zeros(len(sensor), bool)
+    for step in EDGE * np.concatenate([np.eye(3), -np.eye(3)]):
+        near |= free(bodies, origins + step, towards) != exact
+    assert near.all()
+    # Double precision is with ours.
+    assert (ours[sensor, direction] == exact).sum() >= 0.95 * len(exact)
 
 
 def test_the_suns_that_sensors_see_are_the_same(scene):
-    """Every sun of every 23rd day; where one differs, an edge passes within hundredths of a mm."""
+    """Every sun of every 23rd day; where one differs, an edge passes within 0.3 mm."""
     bodies, few, _, folder = scene
     chosen = SITE_YEAR.times[np.arange(8760) // 24 % 23 == 0]
     same_hours(bodies, few, folder, true_suns(chosen, SITE_YEAR.site).directions)
@@ -117,102 +107,126 @@ def test_a_year_on_the_same_directions_is_the_same(scene):
     assert np.median(np.abs(ours[lit] / theirs[lit] - 1)) < 1e-4
 
 
-def by_patches(bodies, sensors, folder, samples, error):
-    """Annual kWh/m² (N,): ours over whole patches, ours from their middles, Radiance's; open."""
+@pytest.fixture
+def radiance_year(monkeypatch):
+    """The year under the sun of gendaymtx, which is up to 1° off, with no beam by night."""
+    at, altitude = radiance_position(SITE_YEAR), radiance_sun(SITE_YEAR)[1]
+    monkeypatch.setattr(hourly, "sun_position", lambda *_, **__: at)
+    return replace(SITE_YEAR, direct_normal=np.where(altitude > 0, SITE_YEAR.direct_normal, 0.0))
+
+
+def by_patches(year, bodies, sensors, folder, samples, paths):
+    """Annual kWh/m² (N,): ours, Radiance's, and the open sky's."""
     patches, dome = patches_of(2), Dome(2, SITE_YEAR.site)
     write_sky(folder)
-    average = gendaymtx(SITE_YEAR, 2, "-O1", "-A")[1:, 0]
+    average = gendaymtx(year, 2, "-O1", "-A")[1:, 0]
     theirs = patch_coefficients(folder, sensors, 2, samples) @ average * 8.76
-    year = cumulative(SITE_YEAR, SITE_YEAR.site, 2)
-    sky = np.append(year, 0.0)[None, :, None].repeat(2, axis=0)
-    found = daylight_coefficients(Surroundings(bodies), sensors, dome, 0, Sought(sky, error))
-    normal = year * patches.solid_angles
-    middles = visible(Occluders(bodies), sensors, patches.directions).dot(normal)
-    return found.value[:, 0], middles, theirs, normal @ patches.directions[:, 2]
+    light = cumulative(year, SITE_YEAR.site, 2)
+    sky = np.append(light, 0.0)[None, :, None].repeat(2, axis=0)
+    found = daylight_coefficients(Surroundings(bodies), sensors, dome, 0, Sought(sky, 1e-4, paths))
+    level = (light * patches.solid_angles) @ patches.directions[:, 2]
+    return found.value[:, 0], theirs, level
 
 
-def test_a_year_on_the_same_patches_is_within_2_percent(scene):
+def test_a_year_on_the_same_patches_is_within_2_percent(scene, radiance_year):
     """Whole patches on both sides, sun spread on them: gendaymtx and rcontrib against ours."""
     bodies, few, _, folder = scene
-    ours, middles, theirs, level = by_patches(bodies, few, folder, 16384, 0.0015)
+    some = few.some(slice(None, None, 3))
+    ours, theirs, level = by_patches(radiance_year, bodies, some, folder, 16384, 1 << 16)
     lit = theirs > 0.1 * level
-    assert lit.mean() > 0.5
+    assert lit.mean() > 0.4
     assert_allclose(ours[lit], theirs[lit], rtol=0.02)
-    # A patch that is one direction shades all or nothing.
-    assert 0.005 < (middles[lit] / theirs[lit] - 1).std() < 0.04
 
 
 @pytest.mark.slow
-def test_a_year_on_the_same_patches_at_2500_sensors_is_within_2_percent(scene):
+def test_a_year_on_the_same_patches_at_2500_sensors_is_within_2_percent(scene, radiance_year):
+    """But for a few where the two programs' chances add up."""
     bodies, _, many, folder = scene
-    ours, _, theirs, level = by_patches(bodies, many, folder, 65536, 0.0015)
+    ours, theirs, level = by_patches(radiance_year, bodies, many, folder, 16384, 1 << 17)
     lit = theirs > 0.1 * level
-    assert_allclose(ours[lit], theirs[lit], rtol=0.02)
+    error = ours[lit] / theirs[lit] - 1
+    assert abs(error.mean()) < 0.002
+    assert np.sqrt((error**2).mean()) < 0.01
+    assert (np.abs(error) < 0.02).mean() > 0.98
 
 
-def test_the_study_with_merged_suns_is_near_true_suns_and_whole_patches(scene):
-    """The defaults against every hour's own sun and an area-sampled sky of 577 patches."""
-    bodies, few, _, folder = scene
+def test_the_study_is_near_true_suns_and_whole_patches(scene):
+    """Suns merged to 1° and patches that are a direction each, against every hour's own sun and
+    an area-sampled sky: within 2 % in the finest sky, and near it in the default."""
+    bodies, every, _, folder = scene
+    few = every.some(slice(None, None, 3))
     weather, site = SITE_YEAR, SITE_YEAR.site
     true = sources_of(weather, site, Period(), accuracy=0.0, ground_reflectance=0.0)
     suns = len(true.suns.directions)
     write_suns(folder, true.directions[:suns], true.direct[:suns])
     write_sky(folder)
     sky = true.diffuse[suns:] / true.patches.solid_angles
-    theirs = sun_irradiance(folder, few) + patch_coefficients(folder, few, 2, 4096) @ sky
-    merged = sources_of(weather, site, Period(), ground_reflectance=0.0)
-    found = gather(Occluders(bodies), few, merged)
-    exact = gather(Occluders(bodies), few, true)
-    assert_allclose(exact.direct, sun_irradiance(folder, few), rtol=0.01, atol=1.0)
+    direct = sun_irradiance(folder, few)
+    theirs = direct + patch_coefficients(folder, few, 2, 16384) @ sky
     level = (true.direct + true.diffuse) @ np.maximum(true.directions[:, 2], 0)
     lit = theirs > 0.1 * level
-    error = (found.direct + found.diffuse)[lit] / theirs[lit] - 1
-    assert abs(error.mean()) < 0.01
-    assert error.std() < 0.02
+    occluders = Occluders(bodies)
+    assert_allclose(gather(occluders, few, true).direct, direct, rtol=0.01, atol=1.0)
+    errors = []
+    for subdivision in (2, 4):
+        merged = sources_of(
+            weather, site, Period(), subdivision=subdivision, ground_reflectance=0.0
+        )
+        found = gather(occluders, few, merged)
+        errors.append((found.direct + found.diffuse)[lit] / theirs[lit] - 1)
+    coarse, fine = (np.sqrt((error**2).mean()) for error in errors)
+    assert fine < coarse < 0.02
+    assert np.abs(errors[1]).max() < 0.02
 
 
-def coefficients(bodies, sensors, dome, skies, error=0.002):
-    return daylight_coefficients(Surroundings(bodies), sensors, dome, 4, Sought(skies, error))
+def followed(bodies, sensors, dome, skies, paths):
+    """Coefficients of four bounces from so many paths a sensor."""
+    return daylight_coefficients(Surroundings(bodies), sensors, dome, 4, Sought(skies, 1e-4, paths))
 
 
 def test_four_bounces_under_an_overcast_sky_are_within_2_percent(scene):
-    """With what Radiance sets for speed, -lw 1e-4 or so, it would be 1 to 5 % darker."""
+    """With -lw 3e-6 instead of 1e-8, Radiance would drop so much of it as to be 1 to 5 % darker."""
     bodies, few, _, folder = scene
-    some = few.some(slice(None, None, 4))
+    some = few.some(slice(None, None, 6))
     bright = f"if(Dz, {9 / (7 * np.pi)} * (1 + 2 * Dz) / 3, {GROUND / np.pi})"
     write_daylight(folder, bright)
-    theirs = illuminance(folder, some, 4, 4096)
+    theirs = illuminance(folder, some, 4, 8192)
     dome = Dome(2, SITE_YEAR.site)
     sky = overcast(dome, GROUND)
-    found = coefficients(bodies, some, dome, np.stack([sky, sky])[:, :, None])
+    found = followed(bodies, some, dome, np.stack([sky, sky])[:, :, None], 1 << 17)
     assert_allclose(found.value[:, 0], theirs, rtol=0.02)
-    # What bounces is a good part of it.
-    straight = found.straight @ sky
-    assert (straight < 0.95 * found.value[:, 0]).all()
+    # Without what bounces, they would not be.
+    assert (found.straight @ sky < 0.99 * found.value[:, 0]).all()
+    assert (found.straight @ sky < 0.95 * theirs).any()
 
 
-@pytest.mark.parametrize("hour", [12, 16])
-def test_four_bounces_on_a_clear_day_are_within_5_percent(scene, hour):
-    """Sky, sun, and the reflected sun, which ours has from patches 3° wide."""
-    bodies, few, _, folder = scene
-    some = few.some(slice(None, None, 4))
-    site = SITE_YEAR.site
-    clear = replace(
-        SITE_YEAR,
-        direct_normal=np.full(8760, 800.0),
-        diffuse_horizontal=np.full(8760, 90.0),
-    )
-    mask = np.arange(8760) == 171 * 24 + hour
-    dome = Dome(4, site)
-    course = course_of(clear, site, dome, mask, accuracy=0.0, ground_reflectance=GROUND)
-    hourly = hourly_skies(clear, site, "light", mask)
-    scale = hourly.diffuse[0] / horizontal_integral(hourly.skies)[0]
-    sky = perez_brightness(hourly.skies, scale)
-    write_daylight(folder, f"if(Dz, {sky}, {course.sky[-1, 0]})", hourly.sun[0], hourly.direct[0])
-    theirs = illuminance(folder, some, 4, 4096)
-    found = coefficients(bodies, some, dome, course.luminances(np.ones((1, 1))))
-    direct = course.sunlight(Occluders(bodies), some)
+def on_a_clear_day(bodies, sensors, folder, hour, paths):
+    """Compare illuminance in the hour before ``hour`` on 21 June."""
+    site, chosen = SITE_YEAR.site, np.arange(8760) == 171 * 24 + hour
+    beam, diffuse = np.full(8760, 800.0), np.full(8760, 90.0)
+    clear = replace(SITE_YEAR, direct_normal=beam, diffuse_horizontal=diffuse)
+    dome = Dome(2, site)
+    course = course_of(clear, site, dome, chosen, accuracy=0.0, ground_reflectance=GROUND)
+    now = hourly.hourly_skies(clear, site, "light", chosen)
+    sky = perez_brightness(now.skies, now.diffuse[0] / horizontal_integral(now.skies)[0])
+    write_daylight(folder, f"if(Dz, {sky}, {course.sky[-1, 0]})", now.sun[0], now.direct[0])
+    theirs = illuminance(folder, sensors, 4, 8192)
+    found = followed(bodies, sensors, dome, course.luminances(np.ones((1, 1))), paths)
+    direct = course.sunlight(Occluders(bodies), sensors)
     ours = course.light(found, direct)[:, 0]
-    assert sun_position(clear.times[mask], site).altitude[0] > 30
+    assert (direct > 0).any()
+    assert (direct == 0).any()
     assert_allclose(ours, theirs, rtol=0.05)
-    assert ours.max() > 5 * ours.min()
+
+
+def test_four_bounces_on_a_clear_day_are_within_5_percent(scene):
+    """Sky, sun, and the reflected sun, which ours has from patches 6° wide."""
+    bodies, few, _, folder = scene
+    on_a_clear_day(bodies, few.some(slice(None, None, 8)), folder, 16, 1 << 18)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("hour", [9, 12, 16])
+def test_four_bounces_at_several_hours_are_within_5_percent(scene, hour):
+    bodies, few, _, folder = scene
+    on_a_clear_day(bodies, few.some(slice(None, None, 4)), folder, hour, 1 << 21)

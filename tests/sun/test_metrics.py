@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from heliform.engines.core.scene import Material
 from heliform.engines.sun import blinds, en17037, metrics
 from heliform.engines.sun.clear_sky import clear_weather
 from heliform.engines.sun.daylight import WorkingHours
@@ -11,7 +12,7 @@ from heliform.engines.sun.position import sun_times
 from heliform.engines.sun.sensors import at_points
 from heliform.engines.sun.site import Site
 from heliform.engines.sun.times import hour_of_day, moment
-from sun.shades import box
+from sun.shades import box, level
 
 BOSTON = Site()
 
@@ -146,6 +147,17 @@ def test_sun_too_low_or_behind_a_building_does_not_count():
     wall = box("wall", [100, 1, 1000], [0, -2, 500])
     hidden = en17037.sunlight_hours(Occluders((wall,)), sensors, BOSTON, (2019, 12, 21), 0.0)
     assert hidden[0] < 0.5
+
+
+def test_sun_through_a_pane_counts_as_sun():
+    sensors = at_points([[0, 0, 0]], [[0, 0, 1]])
+    pane = level("pane", 1e3, 1e3, 1.0, Material(kind="dielectric", ior=1.5))
+    day = (2019, 3, 21)
+    bare, glazed = (
+        en17037.sunlight_hours(Occluders(bodies), sensors, BOSTON, day, 5.0)[0]
+        for bodies in ((), (pane,))
+    )
+    assert glazed == bare > 10
 
 
 def test_blinds_close_beyond_two_hundredths_of_the_area():
