@@ -8,10 +8,10 @@ whose middle it is up. Both programs get the same directions and energies.
 
 Radiance, on all threads: oconv of roof and suns, then for what can be asked again rcontrib with a
 modifier a sun and the sums over its matrix in numpy, or for one sum only rtrace with every sun as
-bright as its year, of which the faster counts against a first run of ours. -ab 0 and -dt 0, so that
-it traces nothing but shadow rays and all of them; 20° wide suns, so that it leaves out none near the
-horizon. gendaymtx is not in its times. Where the first of its sensors say that it would take
-longer than --cap in s, it does as many as fit and its time is in proportion.
+bright as its year; the faster of the two is what a first run of ours is to be held against. -ab 0
+and -dt 0, so that it traces nothing but shadow rays and all of them; 20° wide suns, so that it
+leaves out none near the horizon. gendaymtx is not in its times. Where the first of its sensors say
+that it would take longer than --cap in s, it does as many as fit and its time is in proportion.
 
 Ours: the tree, the rays and the sums, in a process whose kernels are compiled; “again” is another
 period by what is seen already. “study” is `study_radiation`'s own default: suns merged to 1° and a

@@ -49,7 +49,7 @@ def reflect(
     """The light that is reflected up to ``bounces`` times before it comes to the sensors.
 
     The sun stands in the four patches of the sky around it, as there are. Paths are followed until
-    the 95 % half-width over the mean is at most ``error``, or `coefficients.MOST` rounds are.
+    the 95 % half-width over the mean is at most ``error``, or `Sought.paths` rounds are.
     Raises RuntimeMissing, Cancelled.
     """
     dome = Dome(int(np.sqrt(len(sources.patches.directions) / 144)), sources.site)

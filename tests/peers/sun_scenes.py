@@ -10,6 +10,8 @@ from peers.radiance import run
 DEGREE = 20.0
 """The suns' width, which does not count as shadow rays go to their centres. Radiance sends none
 where solid angle × cosine is below 1e-6: suns of their own 0.533° lower than 0.8° would be lost."""
+SUN = 0.533
+"""Its own width in degrees: a wider one would hide the bright sky around it from ambient rays."""
 _SIDES = np.array(
     [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]], np.int32
 )
@@ -110,9 +112,9 @@ def rays(sensors) -> bytes:
     return np.hstack([sensors.origins, sensors.normals]).astype("<f4").tobytes()
 
 
-def disc() -> float:
-    """The sun's solid angle in sr."""
-    return float(2 * np.pi * (1 - np.cos(np.radians(DEGREE / 2))))
+def disc(width: float = DEGREE) -> float:
+    """The solid angle in sr of a sun so wide in degrees."""
+    return float(2 * np.pi * (1 - np.cos(np.radians(width / 2))))
 
 
 def write_suns(folder: Path, directions, normal=None) -> None:
@@ -198,9 +200,9 @@ def write_daylight(folder: Path, brightness: str, sun=None, normal=0.0) -> None:
     text = "void brightfunc dayf 2 day_bright day.cal 0 0\ndayf glow dayg 0 0 4 1 1 1 0\n"
     text += "dayg source all 0 0 4 0 0 1 360\n"
     if sun is not None:
-        bright = normal / disc()
+        bright = normal / disc(SUN)
         text += f"void light sunl 0 0 3 {bright:.9g} {bright:.9g} {bright:.9g}\n"
-        text += f"sunl source suns 0 0 4 {sun[0]:.9g} {sun[1]:.9g} {sun[2]:.9g} {DEGREE}\n"
+        text += f"sunl source suns 0 0 4 {sun[0]:.9g} {sun[1]:.9g} {sun[2]:.9g} {SUN}\n"
     (folder / "day.rad").write_text(text)
     run(folder, "oconv", "-i", "scene.oct", "day.rad", out="day.oct")
 
