@@ -1,6 +1,7 @@
 """A sun study that follows the model while it is dragged about."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,9 @@ from .visibility import require_room, visible
 from .weights import Sources
 
 
+_COARSE = 2  # subdivision of the sky at most
+
+
 class LiveSun:
     """Studies one after the other, of which each keeps what it can of the one before.
 
@@ -49,9 +53,10 @@ class LiveSun:
     def radiation(self, scene: Scene, record: Radiation, *, hourly: bool = False) -> SunMaps:
         """As `study_radiation`, whose errors it raises, but without what bodies reflect.
 
-        There are hourly means only where they are asked for.
+        The sky has at most 577 patches. There are hourly means only where they are asked for.
         """
         started = time.perf_counter()
+        record = replace(record, subdivision=min(record.subdivision, _COARSE))
         sources = self._light(record)
         parts = self._parts(scene)
         occluders = self._placed(scene)

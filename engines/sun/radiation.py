@@ -33,7 +33,7 @@ class Radiation:
     site: Site = nested(Site, "Where the model stands and which way it is turned")  # noqa: RUF009
     weather_file: str = param("", help="EPW, TMY3, NSRDB or PVGIS; empty: a cloudless year")
     period: Period = nested(Period, "Part of the year that counts")  # noqa: RUF009
-    subdivision: int = param(2, "", 1, 4, "The sky has 144 times this squared patches and one")
+    subdivision: int = param(4, "", 1, 4, "The sky has 144 times this squared patches and one")
     accuracy: float = param(
         1.0, "deg", 0.0, 30.0, "Suns this near to one another are traced as one; 0: every sun"
     )

@@ -229,4 +229,4 @@ def test_four_bounces_on_a_clear_day_are_within_5_percent(scene):
 @pytest.mark.parametrize("hour", [9, 12, 16])
 def test_four_bounces_at_several_hours_are_within_5_percent(scene, hour):
     bodies, few, _, folder = scene
-    on_a_clear_day(bodies, few.some(slice(None, None, 4)), folder, hour, 1 << 21)
+    on_a_clear_day(bodies, few.some(slice(None, None, 8)), folder, hour, 1 << 20)
