@@ -29,7 +29,6 @@ from .sensors import Sensors, joined
 from .visibility import require_room, visible
 from .weights import Sources
 
-
 _COARSE = 2  # subdivision of the sky at most
 
 

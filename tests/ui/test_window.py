@@ -6,7 +6,13 @@ pytestmark = pytest.mark.ui
 GEOMETRY = ("--enable-event-simulate", "--window-geometry", "0", "0", "1600", "1000")
 
 
-@pytest.mark.parametrize("script", ["press.py", "trouble.py", "wall.py", "structure.py", "sun.py"])
+@pytest.mark.parametrize(
+    "script",
+    [
+        *("press.py", "trouble.py", "wall.py"),
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("structure.py", "sun.py")),
+    ],
+)
 def test_a_person_in_the_window(installed_blender, scripts, tmp_path, script):
     said = installed_blender(
         *GEOMETRY, "--python", scripts / script, "--", tmp_path / "shots", timeout=480.0

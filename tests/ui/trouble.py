@@ -69,7 +69,7 @@ def steps() -> Generator[float]:
     picture, log = pixels("Receiver false colour"), bpy.context.scene.heliform.display.log
     for _ in range(5):  # a busy machine loses a click
         if bpy.context.scene.heliform.display.log == log:
-            yield from window.click(1144, 352)  # Log, where it is with this size of window
+            yield from window.click(1144, 378)  # Log, where it is with this size of window
             yield 1.0
     window.picture("clicked")
     assert bpy.context.scene.heliform.display.log != log
