@@ -1,6 +1,5 @@
 """The Scan room: reading a sample, and what was found."""
 
-import textwrap
 from typing import Any
 
 import bpy
@@ -11,10 +10,7 @@ from ..addon.bridge import as_printed, scan
 from ..addon.properties import draw
 from ..engines.scan import Comparison, ScanReading
 from . import Room
-from .scene import draw_progress, draw_sentence
-
-_WIDTH = 30
-"""Letters beside an icon in a sidebar as wide as it is at first."""
+from .scene import draw_notes, draw_progress, draw_sentence
 
 Rows = tuple[tuple[str, str, float, str], ...]
 """Figures by their keys, with what they are called, a factor, and the unit that it gives."""
@@ -111,7 +107,7 @@ class HELIFORM_PT_as_printed(Room, Panel):
             row = layout.row(align=True)
             row.operator("heliform.open_comparison", icon="URL")
             row.operator("heliform.clear_layer", text="", icon="X")
-            _draw_notes(layout, facts["notes"])
+            draw_notes(layout, facts["notes"])
 
 
 def _draw_buttons(layout: UILayout, chosen: bool) -> None:
@@ -132,7 +128,7 @@ def _draw_facts(layout: UILayout, facts: dict[str, Any]) -> None:
     row = layout.row(align=True)
     row.operator("heliform.use_scan", icon="MOD_OCEAN")
     row.operator("heliform.open_scan_report", text="", icon="URL")
-    _draw_notes(layout, facts["notes"])
+    draw_notes(layout, facts["notes"])
 
 
 def _draw_figures(layout: UILayout, figures: dict[str, Any], rows: Rows) -> None:
@@ -145,14 +141,6 @@ def _draw_figures(layout: UILayout, figures: dict[str, Any], rows: Rows) -> None
             split = box.split(factor=0.42)
             split.label(text=label)
             split.label(text=f"{factor * figure['value']:.4g}{tail} {unit}")
-
-
-def _draw_notes(layout: UILayout, notes: list[str]) -> None:
-    column = layout.column(align=True)
-    column.scale_y = 0.8
-    for note in notes:
-        for index, line in enumerate(textwrap.wrap(note, _WIDTH)):
-            column.label(text=line, icon="INFO" if index == 0 else "BLANK1")
 
 
 register, unregister = bpy.utils.register_classes_factory(

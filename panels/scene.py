@@ -255,6 +255,28 @@ def draw_sentence(layout: UILayout, sentence: str, width: int = 30) -> None:
         box.label(text=line, icon="ERROR" if index == 0 else "BLANK1")
 
 
+def prepare(layout: UILayout) -> None:
+    """Labels to the left of their values, and no buttons for keyframes."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+
+
+def draw_row(layout: UILayout, label: str, value: str) -> None:
+    """A label and its value, side by side."""
+    split = layout.split(factor=0.5)
+    split.label(text=label)
+    split.label(text=value)
+
+
+def draw_notes(layout: UILayout, notes: list[str], width: int = 34) -> None:
+    """What a reader should know, in lines of ``width`` letters."""
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for note in notes:
+        for index, line in enumerate(textwrap.wrap(note, width)):
+            column.label(text=line, icon="INFO" if index == 0 else "BLANK1")
+
+
 def draw_progress(layout: UILayout) -> None:
     """The bar, what is being done, and Cancel."""
     state = jobs.state

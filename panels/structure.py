@@ -16,7 +16,14 @@ from ..engines.structure.loading import Loading
 from ..engines.structure.rules import Rules
 from ..engines.structure.structure import Structure
 from . import Room
-from .scene import draw_problem, draw_progress, draw_sentence
+from .scene import (
+    draw_notes,
+    draw_problem,
+    draw_progress,
+    draw_row,
+    draw_sentence,
+    prepare,
+)
 
 _WIDTH = 34
 """Letters in a sidebar as wide as it is at first."""
@@ -66,7 +73,7 @@ class HELIFORM_PT_structure_start(Room, Panel):
 
     def draw(self, context: Context) -> None:
         """What there is to start from."""
-        _prepare(self.layout)
+        prepare(self.layout)
         self.layout.operator_menu_enum("heliform.add_structure", "preset", icon="ADD")
         self.layout.operator("heliform.structure_from_mesh", icon="MESH_GRID")
 
@@ -85,7 +92,7 @@ class HELIFORM_PT_structure(Room, Panel):
     def draw(self, context: Context) -> None:
         """Its measures; those of rarely needed parts are below."""
         layout, obj = self.layout, _target(context)
-        _prepare(layout)
+        prepare(layout)
         own = obj.heliform
         draw_problem(layout, obj)
         form = own.structure.form
@@ -112,7 +119,7 @@ class HELIFORM_PT_structure_parts(_Part, Panel):
 
     def draw(self, context: Context) -> None:
         """Those of the form."""
-        _prepare(self.layout)
+        prepare(self.layout)
         structure = _target(context).heliform.structure
         record = _record(structure.form)
         plain = {field.name for field in fields_of(record)} - _PARTS
@@ -127,7 +134,7 @@ class HELIFORM_PT_structure_handles(_Part, Panel):
     def draw(self, context: Context) -> None:
         """Which handles are shown, and how members meet."""
         layout, own = self.layout, _target(context).heliform
-        _prepare(layout)
+        prepare(layout)
         column = layout.column(heading="Drag")
         column.enabled = own.structure.form != "mesh"
         column.prop(own, "controls")
@@ -169,7 +176,7 @@ class HELIFORM_PT_structure_found(_Part, Panel):
 
     def draw(self, context: Context) -> None:
         """Whether, and by which forces."""
-        _prepare(self.layout)
+        prepare(self.layout)
         draw(self.layout, _target(context).heliform.structure.form_finding, FormFinding)
 
 
@@ -181,7 +188,7 @@ class HELIFORM_PT_structure_loads(_Part, Panel):
 
     def draw(self, context: Context) -> None:
         """The loads."""
-        _prepare(self.layout)
+        prepare(self.layout)
         draw(self.layout, _target(context).heliform.structure.loading, Loading)
 
 
@@ -193,7 +200,7 @@ class HELIFORM_PT_structure_sections(_Part, Panel):
     def draw(self, context: Context) -> None:
         """The everyday rules, and the button."""
         layout, own = self.layout, _target(context).heliform
-        _prepare(layout)
+        prepare(layout)
         for name in _EVERYDAY:
             layout.prop(own.structure.rules, name)
         layout.prop(own, "live")
@@ -215,7 +222,7 @@ class HELIFORM_PT_structure_rules(_Part, Panel):
 
     def draw(self, context: Context) -> None:
         """Everything but the everyday ones."""
-        _prepare(self.layout)
+        prepare(self.layout)
         draw(self.layout, _target(context).heliform.structure.rules, Rules, set(_EVERYDAY))
 
 
@@ -227,7 +234,7 @@ class HELIFORM_PT_structure_result(_Part, Panel):
     def draw(self, context: Context) -> None:
         """What is shown, the numbers, and the files."""
         layout, obj = self.layout, _target(context)
-        _prepare(layout)
+        prepare(layout)
         facts = members.facts_of(obj)
         if facts is None:
             layout.label(text="Not sized yet", icon="INFO")
@@ -240,7 +247,7 @@ class HELIFORM_PT_structure_result(_Part, Panel):
         row.operator("heliform.export_members", icon="EXPORT")
         row.operator("heliform.open_structure_report", text="", icon="URL")
         row.operator("heliform.clear_layer", text="", icon="X")
-        _draw_notes(layout, facts["notes"])
+        draw_notes(layout, facts["notes"])
 
 
 class HELIFORM_PT_structure_member(_Part, Panel):
@@ -251,7 +258,7 @@ class HELIFORM_PT_structure_member(_Part, Panel):
     def draw(self, context: Context) -> None:
         """Which member, what it is, and how much it uses of each limit."""
         layout, obj = self.layout, _target(context)
-        _prepare(layout)
+        prepare(layout)
         row = layout.row(align=True)
         row.operator("heliform.pick_member", icon="EYEDROPPER")
         row.operator("heliform.worst_member")
@@ -261,12 +268,12 @@ class HELIFORM_PT_structure_member(_Part, Panel):
             return
         start, end = known["nodes"]
         box = layout.box().column(align=True)
-        _row(box, "Section", known["section"])
-        _row(box, "Grade", known["grade"])
-        _row(box, "Group", known["group"].capitalize())
-        _row(box, "Nodes", f"{start} and {end}")
-        _row(box, "Length", f"{known['length']:.3g} m")
-        _row(box, "Mass", f"{_plain(known['mass'])} kg")
+        draw_row(box, "Section", known["section"])
+        draw_row(box, "Grade", known["grade"])
+        draw_row(box, "Group", known["group"].capitalize())
+        draw_row(box, "Nodes", f"{start} and {end}")
+        draw_row(box, "Length", f"{known['length']:.3g} m")
+        draw_row(box, "Mass", f"{_plain(known['mass'])} kg")
         for name, used in known["checks"]:
             line = layout.column(align=True)
             line.alert = used > 1
@@ -296,11 +303,6 @@ def _target(context: Context) -> Object:
     found = active_structure(context)
     assert found is not None
     return found
-
-
-def _prepare(layout: UILayout) -> None:
-    layout.use_property_split = True
-    layout.use_property_decorate = False
 
 
 def _record(name: str) -> Any:
@@ -338,26 +340,12 @@ def _draw_figures(layout: UILayout, figures: dict[str, Any]) -> None:
     box = layout.box().column(align=True)
     for key, label, factor, unit in _FIGURES:
         if key in figures:
-            _row(box, label, f"{_plain(factor * figures[key]['value'])} {unit}")
-
-
-def _draw_notes(layout: UILayout, notes: list[str]) -> None:
-    column = layout.column(align=True)
-    column.scale_y = 0.8
-    for note in notes:
-        for index, line in enumerate(textwrap.wrap(note, _WIDTH)):
-            column.label(text=line, icon="INFO" if index == 0 else "BLANK1")
+            draw_row(box, label, f"{_plain(factor * figures[key]['value'])} {unit}")
 
 
 def _plain(value: float) -> str:
     """Four digits or more, and no exponent."""
     return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
-
-
-def _row(layout: UILayout, label: str, value: str) -> None:
-    split = layout.split(factor=0.5)
-    split.label(text=label)
-    split.label(text=value)
 
 
 register, unregister = bpy.utils.register_classes_factory(

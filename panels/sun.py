@@ -1,7 +1,6 @@
 """The Sun room: where and when, the studies, what came out, and the sun itself."""
 
 import re
-import textwrap
 from typing import Any
 
 import bpy
@@ -16,9 +15,8 @@ from ..engines.core.errors import HeliformError
 from ..engines.sun import SUN_DAYLIGHT, SUN_RADIATION, Daylight, Radiation
 from ..engines.sun.site import Site
 from . import Room
-from .scene import draw_progress, draw_sentence
+from .scene import draw_notes, draw_progress, draw_row, draw_sentence, prepare
 
-_WIDTH = 34
 _JOBS = ("Study Sun", "Study Daylight", "Pick Sensor")
 _OF_SPAN = {
     "months": ("first_month", "last_month"),
@@ -42,7 +40,7 @@ class HELIFORM_PT_sun(Room, Panel):
     def draw(self, context: Context) -> None:
         """The weather, the period, the studies."""
         layout, own = self.layout, context.scene.heliform
-        _prepare(layout)
+        prepare(layout)
         layout.prop(own.radiation, "weather_file", text="Weather", placeholder="Cloudless year")
         draw_sentence(layout, sun_place.weather_problem(context.scene))
         _draw_period(layout, own.radiation.period)
@@ -84,7 +82,7 @@ class HELIFORM_PT_sun_result(_Part, Panel):
     def draw(self, context: Context) -> None:
         """Which map, the numbers, the files, one sensor's hours, the colours."""
         layout, own = self.layout, context.scene.heliform
-        _prepare(layout)
+        prepare(layout)
         facts = sun.facts_of(context.scene)
         assert facts is not None
         layout.prop(own, "sun_map")
@@ -101,7 +99,7 @@ class HELIFORM_PT_sun_result(_Part, Panel):
         row.operator("heliform.sun_sensor", icon="EYEDROPPER")
         if sun_sensor.picture_of(context.scene):
             row.operator("heliform.show_sun_sensor", text="", icon="WINDOW")
-        _draw_notes(layout, facts["notes"])
+        draw_notes(layout, facts["notes"])
 
 
 class HELIFORM_PT_sun_daylight(_Part, Panel):
@@ -113,7 +111,7 @@ class HELIFORM_PT_sun_daylight(_Part, Panel):
     def draw(self, context: Context) -> None:
         """Its hours, how far light is followed, what it is held against, and the button."""
         layout, daylight = self.layout, context.scene.heliform.daylight
-        _prepare(layout)
+        prepare(layout)
         _draw_period(layout, daylight.period)
         hidden = set() if daylight.blinds else {"blinds_transmittance"}
         draw(layout, daylight, Daylight, _SHARED | hidden)
@@ -134,7 +132,7 @@ class HELIFORM_PT_sun_site(_Part, Panel):
     def draw(self, context: Context) -> None:
         """The place; that of a weather file is its own, but for the model's north."""
         layout, radiation = self.layout, context.scene.heliform.radiation
-        _prepare(layout)
+        prepare(layout)
         if radiation.weather_file:
             layout.label(text="As the weather file says", icon="INFO")
         column = layout.column()
@@ -152,7 +150,7 @@ class HELIFORM_PT_sun_now(_Part, Panel):
     def draw(self, context: Context) -> None:
         """The moment, the path, the lamp."""
         layout, own = self.layout, context.scene.heliform
-        _prepare(layout)
+        prepare(layout)
         layout.prop(own, "sun_path", text="Show Path")
         column = layout.column(align=True)
         column.prop(own, "sun_day")
@@ -176,17 +174,12 @@ class HELIFORM_PT_sun_more(_Part, Panel):
 
     def draw(self, context: Context) -> None:
         """Everything but place, weather and time; and the studies as files that run anywhere."""
-        _prepare(self.layout)
+        prepare(self.layout)
         draw(self.layout, context.scene.heliform.radiation, Radiation, _SHARED)
         row = self.layout.row(align=True)
         for analysis, text in ((SUN_RADIATION, "Export Study"), (SUN_DAYLIGHT, "Daylight")):
             button = row.operator("heliform.export_study", text=text, icon="EXPORT")
             button.analysis = analysis.name
-
-
-def _prepare(layout: UILayout) -> None:
-    layout.use_property_split = True
-    layout.use_property_decorate = False
 
 
 def _draw_period(layout: UILayout, period: Any) -> None:
@@ -215,20 +208,14 @@ def _draw_figures(layout: UILayout, context: Context, facts: dict[str, Any]) -> 
     receivers = sun.staged_on(context.scene)
     shown = context.object if context.object in receivers else receivers[0]
     box = layout.box().column(align=True)
-    _row(box, "Receiver", shown.name)
+    draw_row(box, "Receiver", shown.name)
     for name, (title, unit) in facts["quantities"].items():
-        _row(box, title, f"{_number(sun.mean_on(shown, name))} {unit}")
+        draw_row(box, title, f"{_number(sun.mean_on(shown, name))} {unit}")
     for name, figure in facts["figures"].items():
         if name.partition("_")[0] not in _OF_MAPS and "." not in name:
-            _row(box, _label(name), f"{_number(figure['value'])} {figure['unit']}")
-    _row(box, "Period", facts["period"])
-    _row(box, "Weather", facts["source"])
-
-
-def _row(column: UILayout, name: str, value: str) -> None:
-    split = column.split(factor=0.5)
-    split.label(text=name)
-    split.label(text=value)
+            draw_row(box, _label(name), f"{_number(figure['value'])} {figure['unit']}")
+    draw_row(box, "Period", facts["period"])
+    draw_row(box, "Weather", facts["source"])
 
 
 def _label(name: str) -> str:
@@ -242,14 +229,6 @@ def _label(name: str) -> str:
 def _number(value: float) -> str:
     """Three digits or more, and no exponent."""
     return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
-
-
-def _draw_notes(layout: UILayout, notes: list[str]) -> None:
-    column = layout.column(align=True)
-    column.scale_y = 0.8
-    for note in notes:
-        for index, line in enumerate(textwrap.wrap(note, _WIDTH)):
-            column.label(text=line, icon="INFO" if index == 0 else "BLANK1")
 
 
 register, unregister = bpy.utils.register_classes_factory(
