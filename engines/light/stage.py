@@ -16,6 +16,7 @@ from ..core import runtime
 from ..core.errors import SceneError
 from ..core.scene import Body, Mesh, Receiver, Scene, Surface
 from ..core.solid import require_solid
+from ..core.tree import Tree
 from . import aim
 from .media import Media, media_of
 from .targets import MM, Plane, Side, first_texels, sides_of
@@ -85,7 +86,7 @@ def build(scene: Scene, wavelengths: NDArray[np.floating] | None = None) -> Stag
         checked = aside.submit(_require_solids, scene.bodies)
         soup = _soup(scene, centre)
         covered = aside.submit(_cover, scene, soup, centre)
-        loaded = _tree(soup.vertices, soup.faces) if len(soup.faces) else None
+        loaded = Tree(soup.vertices, soup.faces).scene if len(soup.faces) else None
         checked.result()
         cover = covered.result()
     media = media_of(scene.bodies, wavelengths)
@@ -124,23 +125,6 @@ def _features(scene: Scene) -> Iterator[str]:
             yield "tinted"
     if any(r.reflectance > 0 for r in scene.receivers):
         yield "reflecting"
-
-
-def _tree(vertices: NDArray[np.float32], faces: NDArray[np.uint32]) -> Any:
-    """The soup as a Mitsuba scene that rays can be sent into.
-
-    As an instance of a group: Mitsuba has a group's tree built in Embree's medium quality, a plain
-    mesh's in high, which takes four times as long and traces no faster here.
-    """
-    mi = runtime.mitsuba()
-    mesh = mi.Mesh("bodies", len(vertices), len(faces))
-    handle = mi.traverse(mesh)
-    handle["vertex_positions"] = vertices.ravel()
-    handle["faces"] = faces.ravel()
-    handle.update()
-    group = {"type": "shapegroup", "bodies": mesh}
-    instance = {"type": "instance", "group": {"type": "ref", "id": "group"}}
-    return mi.load_dict({"type": "scene", "group": group, "instance": instance})
 
 
 def _cover(

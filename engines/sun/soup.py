@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import runtime
 from ..core.scene import Body, Vector
 from ..core.solid import inspect
+from ..core.tree import Tree
 
 CLOSE = 1e-6
 """Of the largest coordinate: what single precision can tell apart, with room for rounding."""
@@ -31,8 +31,7 @@ class Soup:
         self.faces = np.zeros((0, 3), np.uint32)
         self.owner = np.zeros(0, np.int32)
         self.reach = 0.0
-        self.scene: Any = None
-        self._handle: Any = None
+        self._tree: Tree | None = None
         self._orientation: Vector | None = None
         self._closed: dict[int, bool] = {}
         self.put(bodies)
@@ -45,12 +44,16 @@ class Soup:
         self.reach = float(np.abs(vertices).max(initial=0.0))
         self._orientation, self._closed = None, {}
         if not len(faces):
-            self.scene = self._handle = None
-        elif same and self._handle is not None:
-            self._handle["group.bodies.vertex_positions"] = vertices.ravel()
-            self._handle.update()
+            self._tree = None
+        elif same and self._tree is not None:
+            self._tree.move(vertices)
         else:
-            self.scene, self._handle = _tree(vertices, faces)
+            self._tree = Tree(vertices, faces)
+
+    @property
+    def scene(self) -> Any:
+        """What rays are sent into, None where there is no triangle."""
+        return self._tree.scene if self._tree else None
 
     def normals(self, triangles: NDArray[np.integer[Any]] | slice = slice(None)) -> Vector:
         """Unit normals (…, 3) of these triangles, 0 where there is no area."""
@@ -96,21 +99,3 @@ def _triangles(
         np.concatenate(faces),
         np.repeat(np.arange(len(bodies), dtype=np.int32), owner),
     )
-
-
-def _tree(vertices: NDArray[np.float32], faces: NDArray[np.uint32]) -> tuple[Any, Any]:
-    """The scene and the handle by which its vertices can be moved.
-
-    As an instance of a group: Mitsuba has a group's tree built in Embree's medium quality, a plain
-    mesh's in high, which takes ten times as long and traces no faster here.
-    """
-    mi = runtime.mitsuba()
-    mesh = mi.Mesh("bodies", len(vertices), len(faces))
-    handle = mi.traverse(mesh)
-    handle["vertex_positions"] = vertices.ravel()
-    handle["faces"] = faces.ravel()
-    handle.update()
-    group = {"type": "shapegroup", "bodies": mesh}
-    instance = {"type": "instance", "group": {"type": "ref", "id": "group"}}
-    scene = mi.load_dict({"type": "scene", "group": group, "instance": instance})
-    return scene, mi.traverse(scene)
