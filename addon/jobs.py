@@ -4,6 +4,7 @@ In the window `begin` returns at once and a timer follows the job; elsewhere `ru
 Either way the scene is written as a study, the worker runs it, and the result is staged here.
 """
 
+import contextlib
 import itertools
 import shutil
 import sys
@@ -20,7 +21,7 @@ import bpy
 from ..engines.core.analysis import Analysis
 from ..engines.core.client import Ended, Job, Progressed, Worker
 from ..engines.core.colour import Display
-from ..engines.core.errors import Cancelled, HeliformError, SceneError, WorkerDied
+from ..engines.core.errors import Cancelled, FileError, HeliformError, SceneError, WorkerDied
 from ..engines.core.export import save_study
 from ..engines.core.files import safe_name
 from .bridge.shading import show_in_views
@@ -121,7 +122,7 @@ def run(
     finally:
         del _tasks[job.id]
         state.running = False
-        shutil.rmtree(task.folder, ignore_errors=True)
+        _tidy(task)
     try:
         _conclude(task, ended)
     except WorkerDied as error:
@@ -171,6 +172,7 @@ def _prepare(
     folder = Path(tempfile.mkdtemp(prefix="job-", dir=bpy.app.tempdir))
     try:
         export(context.scene, given, analysis, folder, carry=False)
+        out = _new_folder(given.name)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
@@ -179,7 +181,7 @@ def _prepare(
         staging=staging,
         label=label,
         folder=folder,
-        out=_new_folder(given.name),
+        out=out,
         scene=context.scene.session_uid,
         objects={name: obj.session_uid for name, obj in given.objects.items()},
         settings=tuple(settings),
@@ -203,9 +205,29 @@ def export(
 
 
 def _new_folder(name: str) -> Path:
-    stamp = f"{safe_name(name)} {time.strftime('%Y-%m-%d %H.%M.%S')}"
-    names = itertools.chain([stamp], (f"{stamp} {n}" for n in itertools.count(2)))
-    return next(path for n in names if not (path := results_folder() / n).exists())
+    """A folder for a result, made at once: another Blender may want one in the same second.
+
+    Raises FileError where there can be none.
+    """
+    stamp, folder = f"{safe_name(name)} {time.strftime('%Y-%m-%d %H.%M.%S')}", results_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for tail in itertools.chain([""], (f" {n}" for n in itertools.count(2))):
+            with contextlib.suppress(FileExistsError):
+                (folder / f"{stamp}{tail}").mkdir()
+                return folder / f"{stamp}{tail}"
+        raise AssertionError
+    except OSError as failed:
+        raise FileError(
+            f"The folder “{folder}” cannot be written: {failed.strerror}; choose another."
+        ) from None
+
+
+def _tidy(task: _Task) -> None:
+    """Drop what a job that has ended needs no more: its study, and the folder of no result."""
+    shutil.rmtree(task.folder, ignore_errors=True)
+    with contextlib.suppress(OSError):  # a result is in it
+        task.out.rmdir()
 
 
 def _submit(task: _Task) -> Job:
@@ -240,6 +262,7 @@ def hear() -> None:
             continue
         if isinstance(event, Ended):
             del _tasks[event.job.id]
+            _tidy(task)
             _finish(task, event)
         elif not task.forgotten:
             _progressed(event)
@@ -251,7 +274,6 @@ def _progressed(event: Progressed) -> None:
 
 def _finish(task: _Task, ended: Ended) -> None:
     """End a job of the window: its result becomes an undo step, its trouble a sentence."""
-    shutil.rmtree(task.folder, ignore_errors=True)
     if task.forgotten:
         return
     state.running = False
@@ -369,7 +391,7 @@ def unregister() -> None:
         _worker.stop()
         _worker = None
     for task in _tasks.values():
-        shutil.rmtree(task.folder, ignore_errors=True)
+        _tidy(task)
     _tasks.clear()
     _asked.clear()
     if state.running:  # not now: when Blender quits, its windows are half gone

@@ -1,7 +1,7 @@
 """What follows hands, frames and undo: objects that are rebuilt when their handles have moved.
 
 Blender says that a handle moved while it is drawing; the object is rebuilt right after, in a timer,
-and, once nothing has moved for a while, again at leisure. In background there are no timers, and a
+and, once it has been let go of, again at leisure. In background there are no timers, and a
 change of frame rebuilds at once.
 """
 
@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterable
 import bpy
 
 from .bridge.handles import name_of
+
+_LOOK = 0.1  # seconds between two looks whether what is dragged was let go of
 
 Follow = Callable[[bpy.types.Object, bpy.types.Scene], None]
 
@@ -27,7 +29,7 @@ def follow(form: str, act: Follow, finish: Follow) -> None:
 
 
 def settle(obj: bpy.types.Object, pause: float) -> None:
-    """Have the object finished once nothing has moved for ``pause`` seconds."""
+    """Have the object finished once nothing has moved for ``pause`` seconds and nothing is held."""
     _resting.add(obj.session_uid)
     if bpy.app.timers.is_registered(_finish):
         bpy.app.timers.unregister(_finish)
@@ -54,8 +56,20 @@ def _look_after() -> None:
     _take(_waiting, 0)
 
 
-def _finish() -> None:
+def _finish() -> float | None:
+    if _dragging():
+        return _LOOK
     _take(_resting, 1)
+    return None
+
+
+def _dragging() -> bool:
+    """Whether something is being moved in a window: where that draws slowly, it pauses."""
+    return any(
+        operator.bl_idname.startswith("TRANSFORM_OT_")
+        for window in bpy.context.window_manager.windows
+        for operator in window.modal_operators
+    )
 
 
 def _take(chosen: set[int], which: int) -> None:

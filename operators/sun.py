@@ -37,7 +37,7 @@ class HELIFORM_OT_study_daylight(RunAnalysis, Operator):
 
 
 class HELIFORM_OT_sun_sensor(RunAnalysis, Operator):
-    """Click a place on a receiver to see its irradiance hour by hour over the period"""
+    """Click a place on a receiver to see its hours: of illuminance after Study Daylight"""
 
     bl_idname = "heliform.sun_sensor"
     bl_label = "Pick Sensor"
@@ -62,7 +62,7 @@ class HELIFORM_OT_sun_sensor(RunAnalysis, Operator):
         if found is None:
             return {"RUNNING_MODAL"}
         self._leave(context)
-        self.staging = sun_sensor.staging_at(*found)
+        self._aim(context, *found)
         return self.begin(context)
 
     def execute(self, context: Context) -> set[str]:
@@ -72,8 +72,12 @@ class HELIFORM_OT_sun_sensor(RunAnalysis, Operator):
             self.report({"ERROR"}, "There is no receiver to measure on; add one with Add Receiver.")
             return {"CANCELLED"}
         obj = context.object if context.object in receivers else receivers[0]
-        self.staging = sun_sensor.staging_at(obj, *_middle(obj))
+        self._aim(context, obj, *_middle(obj))
         return self.run(context)
+
+    def _aim(self, context: Context, obj: Object, place: Vector, normal: Vector) -> None:
+        self.analysis = sun_sensor.analysis_for(context.scene)
+        self.staging = sun_sensor.staging_at(obj, place, normal)
 
     def _leave(self, context: Context) -> None:
         context.window.cursor_modal_restore()

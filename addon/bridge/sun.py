@@ -102,6 +102,7 @@ def stage(
     meta = result.meta
     scene[_FACTS] = json.dumps(
         {
+            "kind": meta["kind"],
             "figures": result.figures(),
             "quantities": meta["quantities"],
             "notes": [*meta["notes"], *notes],
@@ -179,7 +180,7 @@ def _kept(obj: bpy.types.Object) -> dict[str, Any]:
 
 
 def facts_of(scene: bpy.types.Scene) -> dict[str, Any] | None:
-    """Figures, quantities, notes, source, period and folder of the scene's study, or None."""
+    """Kind, figures, quantities, notes, source, period and folder of the scene's study, or None."""
     return json.loads(scene[_FACTS]) if _FACTS in scene and staged_on(scene) else None
 
 

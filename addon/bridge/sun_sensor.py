@@ -9,6 +9,8 @@ from mathutils import Vector
 from ...engines.core.analysis import Analysis
 from ...engines.core.colour import Display, scale_for
 from ...engines.core.scene import Receiver, Scene
+from ...engines.sun import SUN_DAYLIGHT, SUN_RADIATION
+from ...engines.sun.daylight import surfaces_of
 from ...engines.sun.maps import SunMaps
 from ...engines.sun.occlusion import bodies_of
 from ...engines.sun.temporal import temporal_map, temporal_picture
@@ -18,6 +20,12 @@ from . import results, sun
 
 _SENSOR = "heliform_sun_sensor"
 _SIZE = 1e-3  # m, the side of what stands for the sensor
+
+
+def analysis_for(scene: bpy.types.Scene) -> Analysis:
+    """What a sensor measures: what the study whose maps are shown does, irradiance without one."""
+    facts = sun.facts_of(scene)
+    return SUN_DAYLIGHT if facts and facts.get("kind") == "daylight" else SUN_RADIATION
 
 
 def staging_at(obj: bpy.types.Object, place: Vector, normal: Vector) -> Staging:
@@ -32,7 +40,8 @@ def staging_at(obj: bpy.types.Object, place: Vector, normal: Vector) -> Staging:
         u, v = (_SIZE * np.array(axis) for axis in (across, normal.cross(across)))
         origin = scale_of(context.scene) * np.array(place) - (u + v) / 2
         sensor = Receiver(f"{obj.name} sensor", origin, u, v, 1, 1)
-        scene = Scene(bodies_of(given), (), (sensor,))
+        bodies = surfaces_of if analysis is SUN_DAYLIGHT else bodies_of
+        scene = Scene(bodies(given), (), (sensor,))
         record = sun.asked(context.scene, analysis.record)
         return Gathered(sensor.name, scene, record, {sensor.name: obj})
 
@@ -45,8 +54,7 @@ def staging_at(obj: bpy.types.Object, place: Vector, normal: Vector) -> Staging:
         notes: tuple[str, ...] = (),
     ) -> bool:
         scene[_SENSOR] = _picture(scene, obj.name, result)
-        total = result.maps[0].mean("total")
-        sun.mark(obj, obj.matrix_world.inverted() @ place, f"Sensor: {total:.4g} kWh/m²")
+        sun.mark(obj, obj.matrix_world.inverted() @ place, f"Sensor: {_figure(result)}")
         return False
 
     return Staging(gather, stage)
@@ -59,11 +67,13 @@ def picture_of(scene: bpy.types.Scene) -> bpy.types.Image | None:
 
 def _picture(scene: bpy.types.Scene, name: str, result: SunMaps) -> bpy.types.Image:
     """Hour of the day by day of the year, of all that comes from sun and sky."""
-    values = result.hourly["direct"] + result.hourly["diffuse"]
+    light = result.meta["kind"] == "daylight"
+    quantity, unit = ("Illuminance", "lx") if light else ("Irradiance", "W/m²")
+    values = np.sum([result.hourly[n] for n in result.hourly if n != "open"], axis=0)
     display = Display(log=False, palette=read(scene.heliform.sun_display, Display).palette)
-    colours = scale_for(values, display, "Irradiance", "W/m²")
+    colours = scale_for(values, display, quantity, unit)
     grid = temporal_map(result.times, values, result.meta["site"]["utc_offset"])
-    page = temporal_picture(grid, colours, f"Irradiance on “{name}” in W/m²")
+    page = temporal_picture(grid, colours, f"{quantity} on “{name}” in {unit}")
     pixels = np.asarray(page)[::-1] / np.float32(255)
     rows, columns = pixels.shape[:2]
     image = picture_of(scene)
@@ -75,3 +85,9 @@ def _picture(scene: bpy.types.Scene, name: str, result: SunMaps) -> bpy.types.Im
         image.scale(columns, rows)
     results.fill(image, pixels)
     return image
+
+
+def _figure(result: SunMaps) -> str:
+    """What the mark says."""
+    name = "illuminance" if result.meta["kind"] == "daylight" else "total"
+    return f"{result.maps[0].mean(name):.4g} {result.meta['quantities'][name][1]}"

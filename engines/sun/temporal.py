@@ -44,7 +44,7 @@ def temporal_map(times: NDArray[np.datetime64], values: Vector, utc_offset: floa
     shortest = float(np.diff(local).astype(np.int64).min(initial=3600))
     rows = 24 * max(1, round(3600 / shortest))
     row = (local - days).astype(np.int64) * rows // 86400
-    span = np.arange(days.min(), days.max() + 1)
+    span = np.arange(days.min(), days.max() + np.timedelta64(1, "D"))
     grid = np.full((rows, len(span)), np.nan)
     grid[row, (days - span[0]).astype(np.int64)] = values
     return Temporal(span, grid)

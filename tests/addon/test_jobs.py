@@ -108,6 +108,21 @@ def test_a_folder_that_cannot_be_written_is_named(ball, tmp_path, monkeypatch):
         bpy.ops.heliform.trace_photons()
 
 
+def test_two_in_the_same_second_have_a_folder_each(tmp_path, monkeypatch):
+    monkeypatch.setattr(jobs, "results_folder", lambda: tmp_path / "new")
+    monkeypatch.setattr(jobs.time, "strftime", lambda _: "noon")
+    found = [jobs._new_folder("Vase").name for _ in range(3)]
+    assert found == ["Vase noon", "Vase noon 2", "Vase noon 3"]
+
+
+def test_without_a_result_there_is_no_folder(ball, tmp_path):
+    before = set(tmp_path.iterdir())
+    bpy.data.objects.remove(bpy.data.objects["Lamp"])
+    with pytest.raises(RuntimeError, match="lamp"):
+        bpy.ops.heliform.trace_photons()
+    assert set(tmp_path.iterdir()) == before
+
+
 def follow(until, seconds=20.0):
     """What Blender's timer does in a window, until the condition holds."""
     latest = time.monotonic() + seconds

@@ -317,6 +317,13 @@ def test_daylight_has_its_maps_and_figures(ground):
     folder = Path(facts["folder"])
     said = SunMaps.load(folder).meta["parameters"]
     assert said["site"]["latitude"] == 50  # place and weather are those of the scene
+    bpy.context.view_layer.objects.active = ground
+    assert bpy.ops.heliform.sun_sensor() == {"FINISHED"}
+    (mark,) = layers.layer_of(ground).marks
+    *_, value, unit = mark.label.split()
+    assert unit == "lx"
+    there = sun.map_on(ground).maps["illuminance"]
+    assert 0.9 * there.min() <= float(value) <= 1.1 * there.max()
 
 
 def test_what_is_asked_names_the_weather_by_its_whole_path(ground, tmp_path):

@@ -206,7 +206,9 @@ def picked() -> Generator[float]:
     bpy.context.scene.heliform.live_sun = False
     corner = ground().matrix_world @ Vector((0.4 * ground().dimensions.x, -6.0, 0.0))
     window.call(bpy.ops.heliform.sun_sensor, "INVOKE_DEFAULT")
-    yield from window.press(pixel(corner), lambda: jobs.state.running)
+    yield from window.press(
+        pixel(corner), lambda: jobs.state.running or sensor.picture_of(bpy.context.scene)
+    )
     while jobs.state.running:
         yield 0.1
     yield 0.5
