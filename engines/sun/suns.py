@@ -18,6 +18,7 @@ from .weather import Weather
 _MOST = 20_000  # directions that are covered one by one; more are put into small cells first
 _CELLS = 6  # cells to the asked accuracy
 _ROUNDS = 10  # of settling; more no longer lowers the error of shaded irradiation
+_BITS = 16  # of a direction's place along either axis of the map by which suns are put in order
 _DIM = 1e-6  # of the brightest: what a sun without light counts, so that it has a place too
 
 
@@ -28,7 +29,7 @@ def true_suns(weather: Weather | Times, site: Site) -> Suns:
     (T,), datetime64 in UTC. ``weights`` (S, T) is sparse and holds a 1 for each sun: multiplied by
     (T,) of the intervals it gives (S,) of the suns. What shines in the first and last minutes of a
     day whose hour has its middle in the night is left out: 0.1 % of a clear hourly year at most.
-    In polar night there are no suns.
+    In polar night there are no suns. They follow each other by place, not by time.
 
     Raises ParameterError for a site out of bounds and for times as `check_order` says.
     """
@@ -38,6 +39,7 @@ def true_suns(weather: Weather | Times, site: Site) -> Suns:
     else:
         directions = sun_position(check_order(weather), site).direction
     up = np.flatnonzero(directions[:, 2] > 0)
+    up = up[_order(directions[up])]
     return Suns(directions[up], _shares(np.arange(len(up)), up, len(directions)), 0.0)
 
 
@@ -57,6 +59,7 @@ def merged_suns(directions: Vector, weights: Vector, accuracy_deg: float) -> Sun
     directions, weights = np.asarray(directions, float), np.asarray(weights, float)
     _check(directions, weights, accuracy_deg)
     up = np.flatnonzero(directions[:, 2] > 0)
+    up = up[_order(directions[up])]
     points, light = directions[up], weights[up]
     if accuracy_deg == 0 or not len(up):
         return Suns(points, _shares(np.arange(len(up)), up, len(directions)), 0.0)
@@ -66,10 +69,24 @@ def merged_suns(directions: Vector, weights: Vector, accuracy_deg: float) -> Sun
     slack = np.linalg.norm(points - places[cell], axis=1).max()
     discs = places[_cover(places, reach - slack)]
     suns, owner = _settled(places, np.bincount(cell, light), discs, reach - slack)
-    nearest = owner[cell]
+    order = _order(suns)
+    suns, nearest = suns[order], np.argsort(order)[owner[cell]]
     farthest = np.linalg.norm(points - suns[nearest], axis=1).max()
     shares = _shares(nearest, up, len(directions))
     return Suns(suns, shares, float(2 * np.arcsin(farthest / 2)))
+
+
+def _order(directions: Vector) -> NDArray[np.int64]:
+    """An order in which suns that follow each other are near: Z-order over an equal-area map.
+
+    Rays are traced sixteen at a time, half as many again a second where they go alike.
+    """
+    places = directions[:, :2] / np.sqrt(1 + np.abs(directions[:, 2:]))
+    x, y = ((places + 1) / 2 * ((1 << _BITS) - 1)).astype(np.int64).T
+    keys = np.zeros(len(directions), np.int64)
+    for bit in range(_BITS):
+        keys |= (x >> bit & 1) << 2 * bit | (y >> bit & 1) << 2 * bit + 1
+    return np.argsort(keys, kind="stable")
 
 
 def _check(directions: Vector, weights: Vector, accuracy_deg: float) -> None:

@@ -244,11 +244,11 @@ print(result.meta["directions"], kilobytes / (1 << 20 if sys.platform == "darwin
 @pytest.mark.slow
 @pytest.mark.parametrize("side", [316, 1000])
 def test_a_million_sensors_take_no_more_memory_than_fits(side):
-    """Bits alone for all of 10⁶ sensors and 5,150 directions would take 644 MB."""
+    """Bits alone for all of 10⁶ sensors and 6,878 directions would take 860 MB."""
     pytest.importorskip("resource")
     done = subprocess.run(
         [sys.executable, "-c", MANY, str(side)], capture_output=True, text=True, check=True
     )
     directions, megabytes = map(float, done.stdout.split())
-    assert directions == 4428 + 577 + 145
+    assert directions == 4428 + 2305 + 145
     assert megabytes < 700

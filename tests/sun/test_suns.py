@@ -74,9 +74,18 @@ def test_true_suns_are_those_above_the_horizon():
     suns = true_suns(hours_of_year(2019, BOSTON), BOSTON)
     up = sun.direction[:, 2] > 0
     assert suns.accuracy == 0
-    assert np.array_equal(suns.directions, sun.direction[up])
-    assert np.array_equal(suns.weights @ light, light[up])
+    assert np.array_equal((suns.weights.T @ suns.directions)[up], sun.direction[up])
+    assert np.array_equal(suns.weights.T @ (suns.weights @ light), np.where(up, light, 0))
     assert 4380 < len(suns.directions) < 4500
+
+
+@pytest.mark.parametrize("accuracy", [0.0, 1.0])
+def test_suns_that_follow_each_other_are_near(accuracy: float):
+    sun, light = year_of(BOSTON)
+    suns = merged_suns(sun.direction, light, accuracy).directions
+    apart = np.linalg.norm(np.diff(suns, axis=0), axis=1)
+    by_chance = np.linalg.norm(np.diff(np.random.default_rng(0).permutation(suns), axis=0), axis=1)
+    assert np.mean(apart) < 0.1 * np.mean(by_chance)
 
 
 def test_a_weather_s_air_bends_its_suns():
