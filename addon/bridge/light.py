@@ -11,6 +11,7 @@ from ...engines.light import Irradiance
 from ..properties import parameters, read
 from ..staging import Gathered, Objects, Staging
 from . import results, shading, stage
+from .instances import left_out
 from .read import read_scene
 from .receivers import unwrap_receivers
 
@@ -18,7 +19,9 @@ from .receivers import unwrap_receivers
 def _gather(context: bpy.types.Context, analysis: Analysis) -> Gathered:
     """Everything that is on and visible; receivers get a map where they have none."""
     notes = unwrap_receivers(context)
-    given = read_scene(context.scene, context.evaluated_depsgraph_get())
+    depsgraph = context.evaluated_depsgraph_get()
+    given = read_scene(context.scene, depsgraph)
+    notes += left_out(depsgraph)
     if not given.receivers:
         raise SceneError("There is no receiver to trace onto; add one with Add Receiver.")
     return Gathered(

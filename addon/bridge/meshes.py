@@ -85,13 +85,18 @@ def from_blender(evaluated: bpy.types.Object) -> Mesh:
             # Modifiers leave free normals as they were; smooth shading with creases follows them.
             _forget_normals(block)
             block.set_sharp_from_angle(angle=_CREASE)
-        picked = _picked(block)
-        normals = None
-        if block.normals_domain != "FACE":
-            normals = np.empty((len(block.loops), 3), dtype=np.float32)
-            block.corner_normals.foreach_get("vector", normals.ravel())
-            normals = normals[picked]
-        return Mesh(places_of(block), corners_of(block)[picked], normals)
+        return from_block(block)
+
+
+def from_block(block: bpy.types.Mesh) -> Mesh:
+    """A mesh datablock that has faces, in Blender units; faces as of `from_blender`."""
+    picked = _picked(block)
+    normals = None
+    if block.normals_domain != "FACE":
+        normals = np.empty((len(block.loops), 3), dtype=np.float32)
+        block.corner_normals.foreach_get("vector", normals.ravel())
+        normals = normals[picked]
+    return Mesh(places_of(block), corners_of(block)[picked], normals)
 
 
 def network_from_blender(evaluated: bpy.types.Object) -> Mesh:
@@ -137,10 +142,22 @@ def mesh_of(evaluated: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
     block = evaluated.to_mesh()
     try:
         if block is None or not block.polygons:
-            raise SceneError(
-                f"“{evaluated.name}” has no faces; give it a mesh, or set its role to None."
-            )
+            raise no_faces(evaluated.name)
         yield block
+    finally:
+        evaluated.to_mesh_clear()
+
+
+def no_faces(name: str) -> SceneError:
+    """What is said of an object without faces."""
+    return SceneError(f"“{name}” has no faces; give it a mesh, or set its role to None.")
+
+
+def has_faces(evaluated: bpy.types.Object) -> bool:
+    """Whether an evaluated object has faces of its own."""
+    block = evaluated.to_mesh()
+    try:
+        return block is not None and len(block.polygons) > 0
     finally:
         evaluated.to_mesh_clear()
 

@@ -1,11 +1,13 @@
 """The Blender scene as the engines' scene: metres, with everything evaluated."""
 
+import itertools
 from dataclasses import replace
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...engines.core.copies import joined
 from ...engines.core.errors import SceneError
 from ...engines.core.scene import (
     Body,
@@ -20,9 +22,10 @@ from ...engines.core.scene import (
 )
 from ...engines.light.shape import placed_lamp, receiver_of
 from ..properties import read, scale_of
+from .instances import Shown, any_instancer, is_instancer, is_pattern, read_instances
 from .lights import is_sun, read_light, widened
 from .materials import read_material
-from .meshes import from_blender, textured_from_blender
+from .meshes import from_blender, has_faces, no_faces, textured_from_blender
 
 SQUARE = np.array([[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]])
 """The texture coordinates of one quadrilateral that has the whole picture."""
@@ -34,7 +37,7 @@ def read_scene(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Scene:
     Raises SceneError or FileError, naming the object, where one cannot be what it is said to be.
     """
     scale = scale_of(scene)
-    bodies = [_body(o, depsgraph, scale) for o in objects_of(depsgraph.view_layer, "BODY")]
+    bodies = read_bodies(depsgraph, scale)
     receivers = [
         read_receiver(o, depsgraph, scale) for o in objects_of(depsgraph.view_layer, "RECEIVER")
     ]
@@ -44,6 +47,31 @@ def read_scene(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Scene:
         for o in objects_of(depsgraph.view_layer, "LAMP")
     ]
     return Scene(tuple(bodies), tuple(lamps), tuple(receivers))
+
+
+def read_bodies(depsgraph: bpy.types.Depsgraph, scale: float = 1.0) -> list[Body]:
+    """The bodies that are on and visible, all their instances among them, by their names.
+
+    What an instancer shows of its own is part of it; what it shows of another body is one body,
+    named after both. Raises SceneError as `read_scene`.
+    """
+    bodies = objects_of(depsgraph.view_layer, "BODY")
+    if not any_instancer(depsgraph):
+        return [_body(o, depsgraph, scale) for o in bodies]
+    shown = read_instances(depsgraph)
+    meshes = {copies.instancer: copies.mesh(scale) for copies in shown.copies if copies.is_own}
+    found = []
+    for obj in bodies:
+        if not is_pattern(obj):
+            found += _with_own(obj, meshes.get(obj), shown, depsgraph, scale)
+    names = {body.name for body in found}
+    for copies in shown.copies:
+        mesh = None if copies.is_own else copies.mesh(scale)
+        if mesh is not None:
+            name = _free(f"{copies.owner.name} ({copies.instancer.name})", names)
+            names.add(name)
+            found.append(Body(name, mesh, body_material(copies.owner, scale)))
+    return sorted(found, key=lambda body: body.name)
 
 
 def objects_of(layer: bpy.types.ViewLayer, role: str) -> list[bpy.types.Object]:
@@ -110,6 +138,33 @@ def body_material(obj: bpy.types.Object, scale: float = 1.0) -> Material:
 
 def _body(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scale: float) -> Body:
     return Body(obj.name, read_mesh(obj, depsgraph, scale), body_material(obj, scale))
+
+
+def _with_own(
+    obj: bpy.types.Object,
+    copies: Mesh | None,
+    shown: Shown,
+    depsgraph: bpy.types.Depsgraph,
+    scale: float,
+) -> list[Body]:
+    """A body with the ``copies`` of its own geometry; none where others' is all that it shows."""
+    parts = [] if copies is None else [copies]
+    if obj.type != "EMPTY" and obj not in shown.replaced:
+        shows_others = is_instancer(obj, depsgraph)
+        if not shows_others or (obj in shown.own and has_faces(obj.evaluated_get(depsgraph))):
+            parts.insert(0, read_mesh(obj, depsgraph, scale))
+    if parts:
+        return [Body(obj.name, joined(parts), body_material(obj, scale))]
+    if any(c.instancer == obj for c in shown.copies):
+        return []
+    raise no_faces(obj.name)
+
+
+def _free(name: str, taken: set[str]) -> str:
+    """The name, with a number where it is taken."""
+    if name not in taken:
+        return name
+    return next(n for k in itertools.count(2) if (n := f"{name} {k}") not in taken)
 
 
 def _sun(

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...engines.core.analysis import Analysis
 from ...engines.core.colour import ColourScale, Display
 from ...engines.core.errors import HeliformError, SceneError
-from ...engines.core.scene import Body, Scene
+from ...engines.core.scene import Scene
 from ...engines.light.drawing import shown
 from ...engines.sun.drawing import scale_of as colour_scale_of
 from ...engines.sun.maps import SunMap, SunMaps
@@ -26,7 +26,8 @@ from ...engines.sun.radiation import Radiation
 from ..properties import parameters, read, scale_of, write
 from ..staging import Gathered, Objects, Staging
 from . import layers, results, shading
-from .read import body_material, objects_of, read_mesh, read_receiver
+from .instances import left_out
+from .read import objects_of, read_bodies, read_receiver
 from .receivers import unwrap_receivers
 
 _FACTS, _MAPS = "heliform_sun", "heliform_sun_maps"
@@ -49,6 +50,7 @@ def gather(context: bpy.types.Context, analysis: Analysis) -> Gathered:
     """
     notes = unwrap_receivers(context)
     given = read_shaded(context)
+    notes += left_out(context.evaluated_depsgraph_get())
     return Gathered(
         name=f"{given.receivers[0].name} sun",
         scene=given,
@@ -66,11 +68,7 @@ def read_shaded(context: bpy.types.Context) -> Scene:
     ]
     if not receivers:
         raise SceneError("There is no receiver to measure on; add one with Add Receiver.")
-    bodies = [
-        Body(o.name, read_mesh(o, depsgraph, scale), body_material(o, scale))
-        for o in objects_of(depsgraph.view_layer, "BODY")
-    ]
-    return Scene(tuple(bodies), (), tuple(receivers))
+    return Scene(tuple(read_bodies(depsgraph, scale)), (), tuple(receivers))
 
 
 def asked(scene: bpy.types.Scene, record: type) -> Any:
