@@ -23,6 +23,7 @@ from ..engines.core.scene import Receiver, Scene, Surface
 from ..engines.sun import SUN_RADIATION
 from . import jobs
 from .bridge import layers, sun
+from .bridge.instances import may_instance
 
 _LOOK = 0.004  # seconds between two looks for the answer
 _WINDOW = 3.0  # seconds over which answers are counted
@@ -194,13 +195,15 @@ def _moved(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 
 def _matters(update: bpy.types.DepsgraphUpdate) -> bool:
-    """Whether a body or a receiver moved or changed its shape, or the scene what it holds."""
+    """Whether a body, a receiver or what shows bodies as instances moved or changed its shape, or
+    the scene what it holds."""
     if isinstance(update.id, (bpy.types.Scene, bpy.types.Collection)):
         return True
     if not isinstance(update.id, bpy.types.Object):
         return False
     moved = update.is_updated_transform or update.is_updated_geometry
-    return moved and update.id.original.heliform.role in ("BODY", "RECEIVER")
+    obj = update.id.original
+    return moved and (obj.heliform.role in ("BODY", "RECEIVER") or may_instance(obj))
 
 
 @bpy.app.handlers.persistent

@@ -159,11 +159,19 @@ def set_glass(obj: bpy.types.Object, record: GlassObject, scene: bpy.types.Scene
     rebuild(obj, scene)
 
 
-def mark(obj: bpy.types.Object, role: str, kind: str = "") -> None:
+def may_be_body(obj: bpy.types.Object) -> bool:
+    """Whether an object can be marked as a body: a mesh that is no lamp, or a collection's instance."""
+    if obj.type == "EMPTY":
+        return obj.instance_collection is not None
+    return obj.type == "MESH" and obj.heliform.role != "LAMP"
+
+
+def mark(obj: bpy.types.Object, role: str, kind: str = "") -> str:
     """Say what an object is to light: a body, a lamp where it is a light, a receiver, nothing.
 
-    A new body is of the ``kind`` of material given; else what its Blender material says, where
-    that is understood and nobody has chosen otherwise.
+    A new body is of the ``kind`` of material given; else, unless somebody has chosen otherwise, what
+    its Blender material says where that is understood, and matte where there is none that is.
+    Returns a sentence where a material was passed over.
     """
     own = obj.heliform
     fresh = role == "BODY" != own.role and not own.form
@@ -171,8 +179,17 @@ def mark(obj: bpy.types.Object, role: str, kind: str = "") -> None:
     own.problem = ""
     if role == "BODY" and kind:
         own.material_from, own.material.kind = "OWN", kind
-    elif fresh and not own.is_property_set("material_from") and is_understood(obj):
-        own.material_from = "BLENDER"
+    elif fresh and not own.is_property_set("material_from"):
+        if is_understood(obj):
+            own.material_from = "BLENDER"
+        elif not own.material.is_property_set("kind"):
+            own.material.kind = "diffuse"
+            if any(slot.material for slot in obj.material_slots):
+                return (
+                    f"“{obj.name}” is taken as matte, since its Blender material cannot be read; "
+                    "choose another kind in Heliform › Object."
+                )
+    return ""
 
 
 def lamp_hides(group: Any) -> set[str]:

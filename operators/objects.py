@@ -89,17 +89,17 @@ class HELIFORM_OT_mark_as(Reporting, Operator):
         name="Material",
         description=_KINDS.help,
         items=enum_items(_KINDS.choices, _KINDS.help),
-        default=_KINDS.default,
+        default="diffuse",
         options={"SKIP_SAVE"},
     )
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        """Only with a mesh selected that is no lamp."""
+        """Only with a mesh selected that is no lamp, or with an instance of a collection."""
         return bool(_meshes(context))
 
     def act(self, context: Context) -> str:
-        """Mark each; a body keeps its material unless a kind is set.
+        """Mark each; a body keeps its material unless a kind is set, and is matte where it has none.
 
         A receiver that has no UV map gets one. Raises SceneError where one cannot be a receiver;
         none is marked then.
@@ -114,9 +114,8 @@ class HELIFORM_OT_mark_as(Reporting, Operator):
                 if isinstance(found, Surface):
                     require_chart(found)
         kind = self.kind if self.properties.is_property_set("kind") else ""
-        for obj in chosen:
-            objects.mark(obj, self.role, kind)
-        return " ".join(notes)
+        notes += [objects.mark(obj, self.role, kind) for obj in chosen]
+        return " ".join(filter(None, notes))
 
     def draw(self, context: Context) -> None:
         """The material only for bodies."""
@@ -191,11 +190,7 @@ class HELIFORM_OT_add_demo(ObjectMode, Operator):
 
 
 def _meshes(context: Context) -> list[Object]:
-    return [
-        obj
-        for obj in context.selected_objects
-        if obj.type == "MESH" and obj.heliform.role != "LAMP"
-    ]
+    return [obj for obj in context.selected_objects if objects.may_be_body(obj)]
 
 
 def _lights(context: Context) -> list[Object]:

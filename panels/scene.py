@@ -11,7 +11,7 @@ from bpy.types import Context, Object, Panel, UILayout
 from ..addon import jobs
 from ..addon.bridge.lights import BlenderLight, is_sun, read_light
 from ..addon.bridge.materials import read_material
-from ..addon.objects import GLASS, PLANE, WALL, lamp_hides
+from ..addon.objects import GLASS, PLANE, WALL, lamp_hides, may_be_body
 from ..addon.properties import draw, read, scale_of
 from ..addon.structures import STRUCTURE
 from ..engines.core.errors import SceneError
@@ -79,7 +79,8 @@ class HELIFORM_PT_object(Sidebar, Panel):
     @classmethod
     def poll(cls, context: Context) -> bool:
         """Only with an object that can have a role."""
-        return context.object is not None and context.object.type in ("MESH", "LIGHT")
+        obj = context.object
+        return obj is not None and (obj.type in ("MESH", "LIGHT") or may_be_body(obj))
 
     def draw(self, context: Context) -> None:
         """Its role, and the settings that the role has."""
@@ -125,6 +126,8 @@ def _draw_roles(layout: UILayout, obj: Object) -> None:
     role = obj.heliform.role
     if obj.type == "LIGHT":
         operator, choices = "heliform.mark_light", ("LAMP", "NONE")
+    elif obj.type == "EMPTY":
+        operator, choices = "heliform.mark_as", ("BODY", "NONE")
     elif role != "LAMP":
         operator, choices = "heliform.mark_as", ("BODY", "RECEIVER", "NONE")
     else:

@@ -60,12 +60,19 @@ def any_instancer(depsgraph: bpy.types.Depsgraph) -> bool:
 
 def is_instancer(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
     """Whether an object shows instances: of a collection, children or particles, or by its nodes."""
+    if not may_instance(obj):
+        return False
     if obj.is_instancer or obj.particle_systems:
         return True
-    if not any(modifier.type == "NODES" for modifier in obj.modifiers):
-        return False
     geometry = obj.evaluated_get(depsgraph).evaluated_geometry()
     return geometry.instances_pointcloud() is not None
+
+
+def may_instance(obj: bpy.types.Object) -> bool:
+    """Whether an object has what shows instances, as far as is quick to tell."""
+    if obj.is_instancer or obj.particle_systems:
+        return True
+    return any(modifier.type == "NODES" for modifier in obj.modifiers)
 
 
 def is_pattern(obj: bpy.types.Object) -> bool:

@@ -111,6 +111,14 @@ def test_roles_of_what_is_shown_come_before_those_of_what_shows_it(scene):
     assert bodies() == {}
 
 
+def test_an_instance_of_a_collection_can_be_marked(scene):
+    plain = add("cube", "Plain", "NONE")
+    empty = instance(scene, "House", collected(scene, "Drawer", plain))
+    with bpy.context.temp_override(selected_objects=[empty]):
+        bpy.ops.heliform.mark_as(role="BODY")
+    assert bodies()["House"].material.kind == "diffuse"
+
+
 def test_instancers_that_are_hidden_or_off_show_nothing(scene):
     drawer = collected(scene, "Drawer", add("cube", "Roof"))
     hidden, off = (instance(scene, name, drawer) for name in ("Hidden", "Off"))

@@ -275,6 +275,37 @@ def test_a_body_starts_with_the_blender_material_that_is_understood(cube, seen):
     assert seen().bodies[0].material.ior == 1.5
 
 
+@pytest.mark.parametrize("slot", ["none", "empty", "not understood"])
+def test_a_body_without_a_material_to_go_by_is_matte(cube, seen, slot):
+    """As Blender draws it; glass is what somebody says is glass."""
+    if slot == "not understood":
+        shader(cube, "MixShader")
+    else:
+        cube.data.materials.clear()
+    if slot == "empty":
+        cube.data.materials.append(None)
+    bpy.ops.heliform.mark_as(role="BODY")
+    assert cube.heliform.material_from == "OWN"
+    assert seen().bodies[0].material == Material(kind="diffuse", reflectance=0.8)
+    cube.heliform.material.kind = "dielectric"
+    bpy.ops.heliform.mark_as(role="NONE")
+    bpy.ops.heliform.mark_as(role="BODY")
+    assert seen().bodies[0].material.kind == "dielectric"
+
+
+def test_what_heliform_makes_of_glass_stays_glass(seen):
+    bpy.ops.heliform.add_demo()
+    bpy.ops.heliform.add_wall()
+    for obj in bpy.data.objects:
+        if obj.heliform.role == "BODY":
+            obj.data.materials.clear()
+            obj.select_set(True)
+            for role in ("BODY", "NONE", "BODY"):
+                with bpy.context.temp_override(selected_objects=[obj]):
+                    bpy.ops.heliform.mark_as(role=role)
+    assert [body.material.kind for body in seen().bodies] == ["dielectric"] * 2
+
+
 def test_a_body_keeps_heliforms_settings_otherwise(cube, seen):
     shader(cube, "MixShader")
     bpy.ops.heliform.mark_as(role="BODY")
