@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ..engines.core.errors import HeliformError, ParameterError
-from ..engines.core.scene import Lamp, Luminaire, Mesh, Plane
+from ..engines.core.scene import Lamp, Luminaire, Material, Mesh, Plane
 from ..engines.glass import GlassObject, glass_object
 from ..engines.glass.loft import Wall
 from ..engines.glass.printed import wall_skin
@@ -160,7 +160,7 @@ def set_glass(obj: bpy.types.Object, record: GlassObject, scene: bpy.types.Scene
 
 
 def may_be_body(obj: bpy.types.Object) -> bool:
-    """Whether an object can be marked as a body: a mesh that is no lamp, or a collection's instance."""
+    """Whether an object can be marked as a body: a mesh but a lamp's, a collection's instance."""
     if obj.type == "EMPTY":
         return obj.instance_collection is not None
     return obj.type == "MESH" and obj.heliform.role != "LAMP"
@@ -169,8 +169,8 @@ def may_be_body(obj: bpy.types.Object) -> bool:
 def mark(obj: bpy.types.Object, role: str, kind: str = "") -> str:
     """Say what an object is to light: a body, a lamp where it is a light, a receiver, nothing.
 
-    A new body is of the ``kind`` of material given; else, unless somebody has chosen otherwise, what
-    its Blender material says where that is understood, and matte where there is none that is.
+    A new body is of the ``kind`` of material given; else, unless somebody has chosen otherwise,
+    what its Blender material says where that is understood, and matte where there is none that is.
     Returns a sentence where a material was passed over.
     """
     own = obj.heliform
@@ -190,6 +190,13 @@ def mark(obj: bpy.types.Object, role: str, kind: str = "") -> str:
                     "choose another kind in Heliform › Object."
                 )
     return ""
+
+
+def set_material(obj: bpy.types.Object, material: Material) -> None:
+    """Have a body treat light as that material does, by its own settings; its priority stays."""
+    own = obj.heliform
+    own.material_from = "OWN"
+    write(own.material, replace(material, priority=own.material.priority))
 
 
 def lamp_hides(group: Any) -> set[str]:

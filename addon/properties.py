@@ -157,7 +157,12 @@ def _description(field: Field) -> str:
 
 def enum_items(choices: Collection[str], help: str = "") -> list[tuple[str, str, str, int]]:
     """Items whose numbers come from the words: saved files outlive a new or moved choice."""
-    return [(c, _label(c), help, zlib.crc32(c.encode()) & 0x7FFFFFFF) for c in choices]
+    return [(c, _label(c), help, enum_number(c)) for c in choices]
+
+
+def enum_number(choice: str) -> int:
+    """The number by which a saved file knows a choice."""
+    return zlib.crc32(choice.encode()) & 0x7FFFFFFF
 
 
 def _label(choice: str) -> str:

@@ -1,5 +1,6 @@
 """The scene: adding lamps and receivers, saying what a mesh is, the demo."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import bpy
@@ -13,6 +14,7 @@ from ..addon.model import ROLES
 from ..addon.properties import (
     draw,
     enum_items,
+    enum_number,
     read,
     scale_of,
     with_properties,
@@ -20,6 +22,7 @@ from ..addon.properties import (
 )
 from ..engines.core.atlas import require_chart
 from ..engines.core.errors import SceneError
+from ..engines.core.material_presets import material_presets
 from ..engines.core.parameters import fields_of
 from ..engines.core.scene import Lamp, Material, Plane, Surface
 from ..engines.glass import TABLE_1
@@ -29,6 +32,16 @@ _FLUX = 500.0
 """Luminous flux in lm that a lamp without a photometric file starts with."""
 
 _KINDS = next(field for field in fields_of(Material) if field.name == "kind")
+
+
+def _preset_items() -> Iterator[tuple[str, str, str, int]]:
+    """The typical materials as a menu has them, under headings."""
+    group = ""
+    for name, preset in material_presets().items():
+        if preset.group != group:
+            group = preset.group
+            yield "", group, "", 0
+        yield name, preset.label, preset.told.rstrip("."), enum_number(name)
 
 
 @with_properties(Lamp)
@@ -99,7 +112,7 @@ class HELIFORM_OT_mark_as(Reporting, Operator):
         return bool(_meshes(context))
 
     def act(self, context: Context) -> str:
-        """Mark each; a body keeps its material unless a kind is set, and is matte where it has none.
+        """Mark each; a body keeps its material unless a kind is set, and is matte without one.
 
         A receiver that has no UV map gets one. Raises SceneError where one cannot be a receiver;
         none is marked then.
@@ -123,6 +136,33 @@ class HELIFORM_OT_mark_as(Reporting, Operator):
         self.layout.prop(self, "role")
         if self.role == "BODY":
             self.layout.prop(self, "kind")
+
+
+class HELIFORM_OT_set_material(Reporting, Operator):
+    """Give the selected bodies a typical material; its figure and source are in the tooltip"""
+
+    bl_idname = "heliform.set_material"
+    bl_label = "Material Preset"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: EnumProperty(
+        name="Preset",
+        description="A typical material",
+        items=list(_preset_items()),
+        default="wall",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with a body that is active or selected."""
+        return bool(_bodies(context))
+
+    def act(self, context: Context) -> str:
+        """Set it on each; says the figure and where it is from."""
+        preset = material_presets()[self.preset]
+        for obj in _bodies(context):
+            objects.set_material(obj, preset.material)
+        return preset.told
 
 
 class HELIFORM_OT_mark_light(Reporting, Operator):
@@ -193,6 +233,12 @@ def _meshes(context: Context) -> list[Object]:
     return [obj for obj in context.selected_objects if objects.may_be_body(obj)]
 
 
+def _bodies(context: Context) -> list[Object]:
+    """The bodies that are selected, the active object among them."""
+    chosen = {*context.selected_objects, context.object} - {None}
+    return [obj for obj in chosen if obj.heliform.role == "BODY"]
+
+
 def _lights(context: Context) -> list[Object]:
     return [obj for obj in context.selected_objects if obj.type == "LIGHT"]
 
@@ -201,6 +247,7 @@ _CLASSES = (
     HELIFORM_OT_add_lamp,
     HELIFORM_OT_add_receiver,
     HELIFORM_OT_mark_as,
+    HELIFORM_OT_set_material,
     HELIFORM_OT_mark_light,
     HELIFORM_OT_select,
     HELIFORM_OT_add_demo,

@@ -15,6 +15,7 @@ from ..addon.objects import GLASS, PLANE, WALL, lamp_hides, may_be_body
 from ..addon.properties import draw, read, scale_of
 from ..addon.structures import STRUCTURE
 from ..engines.core.errors import SceneError
+from ..engines.core.glazing import goes_by_transmittance, highest_transmittance
 from ..engines.core.scene import Lamp, Material, Plane
 from ..engines.light.shape import placed_lamp
 from . import PARENT, Sidebar
@@ -25,7 +26,7 @@ _ROLES = (
     ("RECEIVER", "MESH_PLANE", "No receiver"),
 )
 _TABLE = re.compile(r"^\[[\w.]+\] ")
-_CLEAR = {"absorption", "glass", "abbe", "priority"}
+_CLEAR = {"absorption", "transmittance", "glass", "abbe", "priority"}
 _MATERIAL_HIDES = {
     "dielectric": {"reflectance", "specularity"},
     "mirror": {"ior", "specularity"} | _CLEAR,
@@ -142,6 +143,7 @@ def _draw_roles(layout: UILayout, obj: Object) -> None:
 def _draw_body(layout: UILayout, obj: Object, scale: float) -> None:
     """Where its material comes from, its own settings if they say it, and what is used."""
     own = obj.heliform
+    layout.operator_menu_enum("heliform.set_material", "preset", text="Preset", icon="PRESET")
     layout.prop(own, "material_from")
     if own.material_from == "OWN":
         draw(layout, own.material, Material, material_hides(own.material))
@@ -154,7 +156,8 @@ def _draw_body(layout: UILayout, obj: Object, scale: float) -> None:
 def material_hides(group: Any) -> set[str]:
     """The fields of a Material that say nothing for the kind that a group holds."""
     published = {"abbe"} if group.glass != "own" else set()
-    return _MATERIAL_HIDES[group.kind] | published
+    given = {"absorption"} if group.transmittance < 1 else set()
+    return _MATERIAL_HIDES[group.kind] | published | given
 
 
 # What the simulation uses
@@ -210,8 +213,7 @@ def draw_used(layout: UILayout, rows: Rows, notes: tuple[str, ...], problem: str
 def _material_rows(material: Material) -> Rows:
     rows = [("Kind", _KINDS[material.kind])]
     if material.kind == "dielectric":
-        through = 100 * math.exp(-material.absorption * _THICK)
-        rows += [("Index", f"{material.ior:.4g}"), ("Over 10 mm", f"{through:.3g} % passes")]
+        rows += [("Index", f"{material.ior:.4g}"), _passing(material)]
         if material.glass != "own":
             rows += [("Colours", f"{material.glass.capitalize()}, as published")]
         elif material.abbe:
@@ -224,6 +226,14 @@ def _material_rows(material: Material) -> Rows:
         rough = material.roughness
         rows += [("Roughness", f"GGX α {rough:.2g}" if rough else "Smooth")]
     return rows
+
+
+def _passing(material: Material) -> tuple[str, str]:
+    """What of the light passes a clear material, as far as its settings say."""
+    if goes_by_transmittance(material):
+        clear = highest_transmittance(material.ior)
+        return "Straight on", f"{100 * min(material.transmittance, clear):.3g} % passes"
+    return "Over 10 mm", f"{100 * math.exp(-material.absorption * _THICK):.3g} % passes"
 
 
 def _opening_rows(lamp: Lamp) -> Rows:

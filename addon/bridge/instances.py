@@ -22,7 +22,7 @@ _UPON = ("VERTS", "FACES")
 class Copies:
     """What one instancer shows of one body: ``owner`` is whose material it has.
 
-    Each of ``parts`` is a mesh in its own axes and the 4×4 matrices that place it, in Blender units.
+    Each of ``parts`` is a mesh in its own axes and the 4×4 matrices that place it, Blender units.
     """
 
     instancer: bpy.types.Object
@@ -35,7 +35,7 @@ class Copies:
         return self.owner == self.instancer
 
     def mesh(self, scale: float) -> Mesh | None:
-        """All of them in metres, None where none has a face; ``scale`` is that of a Blender unit."""
+        """All of them in metres, None without a face; ``scale`` is the metres in a Blender unit."""
         found = [copied(mesh, scale * np.array(places)) for mesh, places in self.parts.values()]
         found = [mesh for mesh in found if len(mesh.faces)]
         return joined(found) if found else None
@@ -59,7 +59,7 @@ def any_instancer(depsgraph: bpy.types.Depsgraph) -> bool:
 
 
 def is_instancer(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
-    """Whether an object shows instances: of a collection, children or particles, or by its nodes."""
+    """Whether an object shows a collection, children or particles, or instances of its nodes."""
     if not may_instance(obj):
         return False
     if obj.is_instancer or obj.particle_systems:

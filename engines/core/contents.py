@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from .analysis import Analysis, find_form
 from .errors import ParameterError, SceneError
+from .material_presets import material_of
 from .meshes import load_mesh, load_textured
 from .parameters import check_keys, fields_of, from_table, merged, to_table
 from .scene import (
     Body,
     Lamp,
     Luminaire,
-    Material,
     Mesh,
     Plane,
     Receiver,
@@ -89,7 +89,7 @@ def _body(name: str, table: Mapping[str, Any], folder: Path) -> Body:
         mesh = load_mesh(folder / text_of(table, "mesh", where), table.get("unit", "m"))
     else:
         raise ParameterError(f"[{where}] has neither a form nor a mesh; add one of them.")
-    material = from_table(Material, table.get("material", {}), f"{where}.material")
+    material = material_of(table.get("material", {}), f"{where}.material")
     return Body(name, mesh.moved(_place(table, where)), material)
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from .scene import Mesh
 
 _FLAT = 1e-12
-"""The least volume of a copy, of its longest axis cubed: a flatter one has no inside and outside."""
+"""The least volume of a copy, of its longest axis cubed: a flatter one has no inside."""
 
 
 def copied(mesh: Mesh, matrices: NDArray[np.float64]) -> Mesh:

@@ -34,6 +34,9 @@ class Material:
     absorption: float = param(
         0.0, "1/m", 0.0, 1e4, "Light in the glass falls to 1/e over 1 ÷ this length"
     )
+    transmittance: float = param(
+        1.0, "", 0.0, 1.0, "Share that a pane passes at normal incidence; 1 goes by absorption"
+    )
     glass: Literal["own", "soda-lime", "crown", "flint", "water"] = param(
         "own", help="Where colours are traced: index by the Abbe number below, or as published"
     )

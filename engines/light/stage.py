@@ -6,7 +6,7 @@ skip thin printed walls. Therefore all is brought to millimetres about the bodie
 
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..core import runtime
 from ..core.errors import SceneError
+from ..core.glazing import by_absorption
 from ..core.scene import Body, Mesh, Receiver, Scene, Surface
 from ..core.solid import require_solid
 from ..core.tree import Tree
@@ -74,6 +75,7 @@ def build(scene: Scene, wavelengths: NDArray[np.floating] | None = None) -> Stag
     mi = runtime.mitsuba()
     for body in scene.bodies:
         _check(body)
+    scene = replace(scene, bodies=tuple(map(by_absorption, scene.bodies)))
     bodies = [_extent(b.mesh) for b in scene.bodies]
     receivers = [
         _corners(r) if isinstance(r, Receiver) else _extent(r.mesh) for r in scene.receivers

@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import runtime
+from ..core.glazing import goes_by_transmittance, highest_transmittance, normal_depth
 from ..core.progress import SILENT, Progress
+from ..core.scene import Body, Material
 from . import bits
 from .rays import Fired, Rays
 from .soup import CLOSE, Soup
@@ -32,8 +34,8 @@ def transmittances(
     """What the panes let through of each ray ``among`` (N, ceil(D / 8)): (N, D) of bits.FULL.
 
     A closed body is glass between the surface where the ray enters and that where it leaves; a
-    sheet is a pane by itself, whose tint is not known and left out. 0 where no ray is; None without
-    panes.
+    sheet is a pane by itself, whose tint is known from its transmittance alone. 0 where no ray is;
+    None without panes.
     """
     if soup.scene is None:
         return None
@@ -52,23 +54,43 @@ def told(soup: Soup) -> tuple[str, ...]:
     flat = [
         body.name
         for number, body in enumerate(soup.bodies)
-        if body.material.absorption > 0 and not soup.closed(number)
+        if tint(body.material) > 0 and not soup.closed(number)
     ]
     return (
         "Sun goes straight through clear glass here, less what that reflects and absorbs; how it "
         "is bent and gathered, photon tracing shows.",
         *(
-            f"Glass “{n}” is not closed, so its tint is left out; give it a thickness."
+            f"Glass “{n}” is not closed, so its tint is left out; give it a thickness or a "
+            "transmittance."
             for n in flat
         ),
+        *(_too_clear(body) for body in soup.bodies if _is_too_clear(body.material)),
+    )
+
+
+def tint(material: Material) -> float:
+    """A pane's tint, as `slab` has it: absorption in 1/m, or less than 0 an optical depth."""
+    return -normal_depth(material) if goes_by_transmittance(material) else material.absorption
+
+
+def _is_too_clear(material: Material) -> bool:
+    clear = highest_transmittance(material.ior)
+    return goes_by_transmittance(material) and material.transmittance > clear
+
+
+def _too_clear(body: Body) -> str:
+    clear = 100 * highest_transmittance(body.material.ior)
+    return (
+        f"Glass “{body.name}” lets {clear:.1f} % through at normal incidence, the most that its "
+        "index allows; lower the index for a coated one."
     )
 
 
 def _records(soup: Soup) -> Any:
-    """On the device, six floats a triangle: its normal, index, absorption in 1/m, 1 for a sheet."""
+    """On the device, six floats a triangle: its normal, index, `tint`, 1 for a sheet."""
     mi = runtime.mitsuba()
     materials = enumerate(body.material for body in soup.bodies)
-    own = np.array([(m.ior, m.absorption, not soup.closed(n)) for n, m in materials])
+    own = np.array([(m.ior, tint(m), not soup.closed(n)) for n, m in materials])
     outward = soup.normals() * soup.orientation[soup.owner, None]
     records = np.concatenate([outward, own[soup.owner]], axis=1)
     return mi.Float(records.astype(np.float32).ravel())
@@ -133,13 +155,15 @@ def slab(along: Any, ior: Any, absorption: Any, sheet: Any, way: Any) -> tuple[A
     """What s- and p-polarised light keep in a pane, its two surfaces together, on the device.
 
     ``along`` is the cosine with the pane's normal, ``way`` the straight path through it in m; a
-    ``sheet`` has none. A solid's two surfaces count where the ray leaves, both at the angle there.
+    ``sheet`` has none. An ``absorption`` below 0 is an optical depth straight across instead,
+    whatever the way. A solid's two surfaces count where the ray leaves, both at the angle there.
     """
     import drjit as dr
 
     cosine = dr.minimum(dr.abs(along), 1)
     refracted = dr.sqrt(dr.maximum(1 - (1 - dr.square(cosine)) / dr.square(ior), TINY))
     depth = dr.select(sheet, 0, absorption * way * cosine / refracted)
+    depth = dr.select(absorption < 0, -absorption / refracted, depth)
     r_s = dr.square((cosine - ior * refracted) / (cosine + ior * refracted))
     r_p = dr.square((refracted - ior * cosine) / (refracted + ior * cosine))
     return _slab(r_s, depth), _slab(r_p, depth)

@@ -13,8 +13,8 @@ from .occlusion import is_pane
 from .soup import Soup
 
 RECORD = 8
-"""Floats a triangle: its normal, whether it is a pane, and of a pane index, absorption and whether
-it is a sheet, of others what they return, the share of that as a mirror does, and nothing."""
+"""Floats a triangle: its normal, whether it is a pane, and of a pane index, tint and whether it is
+a sheet, of others what they return, the share of that as a mirror does, and nothing."""
 
 
 class Surroundings:
@@ -54,7 +54,7 @@ def _records(soup: Soup) -> NDArray[np.float32]:
 def _own(soup: Soup, number: int) -> tuple[float, float, float, float]:
     material = soup.bodies[number].material
     if is_pane(material):
-        return 1.0, material.ior, material.absorption, float(not soup.closed(number))
+        return 1.0, material.ior, panes.tint(material), float(not soup.closed(number))
     returned, mirrored = _returned(material)
     return 0.0, returned, mirrored / returned if returned else 0.0, 0.0
 

@@ -395,3 +395,41 @@ def test_the_choice_survives_undo_saving_and_registration(cube, tmp_path):
     assert (obj.heliform.role, obj.heliform.material_from) == ("BODY", "BLENDER")
     assert read(obj.heliform.material, Material) == Material()
     assert read_material(obj).material.ior == 1.7
+
+
+def test_a_preset_sets_the_bodies_that_are_selected(cube, scene, seen):
+    bpy.ops.heliform.mark_as(role="BODY", kind="mirror")
+    cube.heliform.material.priority = 4
+    cube.heliform.material_from = "BLENDER"
+    bpy.ops.heliform.add_receiver()
+    plane = bpy.context.object
+    cube.select_set(True)
+    assert bpy.ops.heliform.set_material(preset="double-low-e") == {"FINISHED"}
+    (body,) = seen().bodies
+    assert body.material == Material(ior=1.52, transmittance=0.745, priority=4)
+    assert plane.heliform.role == "RECEIVER"
+    rows = dict(body_used(cube, 1.0)[0])
+    assert rows["Straight on"] == "74.5 % passes"
+    assert {"absorption"} <= material_hides(cube.heliform.material)
+    bpy.ops.heliform.set_material(preset="concrete")
+    assert seen().bodies[0].material == Material(kind="diffuse", reflectance=0.3, priority=4)
+
+
+def test_a_preset_can_be_undone_and_needs_a_body(cube):
+    assert not bpy.ops.heliform.set_material.poll()
+    bpy.ops.heliform.mark_as(role="BODY")
+    bpy.ops.ed.undo_push(message="Marked")
+    bpy.ops.heliform.set_material(preset="wall")
+    bpy.ops.ed.undo_push(message="Wall")
+    assert bpy.data.objects["Cube"].heliform.material.reflectance == pytest.approx(0.5)
+    bpy.ops.ed.undo()
+    assert bpy.data.objects["Cube"].heliform.material.reflectance == pytest.approx(0.8)
+
+
+def test_the_menu_has_every_preset_with_its_source():
+    from heliform.engines.core.material_presets import material_presets
+
+    items = bpy.ops.heliform.set_material.get_rna_type().properties["preset"].enum_items
+    assert [item.identifier for item in items] == list(material_presets())
+    for item in items:
+        assert material_presets()[item.identifier].source in item.description
