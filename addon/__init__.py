@@ -16,6 +16,7 @@ MODULES: Final = (
     "addon.sun_overlay",
     "addon.command",
     "operators.objects",
+    "operators.work_plane",
     "operators.relief",
     "operators.glass",
     "operators.printing",

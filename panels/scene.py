@@ -90,6 +90,8 @@ class HELIFORM_PT_object(Sidebar, Panel):
         layout.use_property_decorate = False
         own = obj.heliform
         _draw_roles(layout, obj)
+        if obj.type == "MESH" and own.role in ("NONE", "BODY"):
+            layout.operator("heliform.add_work_plane", icon="MESH_GRID")
         if own.form not in (GLASS, WALL, STRUCTURE):  # their own room says so
             draw_problem(layout, obj)
         if own.role == "BODY":

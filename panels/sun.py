@@ -112,6 +112,7 @@ class HELIFORM_PT_sun_daylight(_Part, Panel):
         """Its hours, how far light is followed, what it is held against, and the button."""
         layout, daylight = self.layout, context.scene.heliform.daylight
         prepare(layout)
+        layout.operator("heliform.add_work_plane", icon="MESH_GRID")
         _draw_period(layout, daylight.period)
         hidden = set() if daylight.blinds else {"blinds_transmittance"}
         draw(layout, daylight, Daylight, _SHARED | hidden)
