@@ -102,7 +102,7 @@ def _pieces(mesh: Mesh, chosen: NDArray[np.bool_], alone: bool = False) -> Itera
     height = mesh.vertices[faces][..., 2].mean(axis=1)
     level = part if alone else _levels(height)
     rings = np.round(mesh.vertices[faces][..., :2] / grid_of(mesh)) * grid_of(mesh)
-    triangles = shapely.polygons(rings)
+    triangles = np.asarray(shapely.polygons(rings))
     whole = shapely.area(triangles) > 0
     for key in np.unique(np.stack([part, level], axis=1), axis=0):
         some = whole & (part == key[0]) & (level == key[1])

@@ -102,7 +102,7 @@ def _sections(mesh: Mesh, level: float) -> list[Any]:
         ends.append(first[:, :2] + share[:, None] * (other - first)[:, :2])
     segments = np.round(np.stack(ends, axis=1) / grid_of(mesh)) * grid_of(mesh)
     long = (segments[:, 0] != segments[:, 1]).any(axis=1)
-    lines, part = shapely.linestrings(segments[long]), part[long]
+    lines, part = np.asarray(shapely.linestrings(segments[long])), part[long]
     return [shapely.union_all(lines[part == p], grid_size=grid_of(mesh)) for p in np.unique(part)]
 
 
@@ -157,8 +157,8 @@ def _map(name: str, flat: Vector, spacing: float) -> tuple[Vector, int]:
     texels = int(counts.max())
     if texels > MOST:
         raise ParameterError(
-            f"A spacing of {spacing:g} m makes {texels} sensors along “{name}”; allowed are {MOST}: "
-            "take a wider one."
+            f"A spacing of {spacing:g} m makes {texels} sensors along “{name}”; allowed are "
+            f"{MOST}, so take a wider one."
         )
     start = (low + high - counts * spacing) / 2
     return np.clip((turned - start) / (texels * spacing), 0.0, 1.0), texels
