@@ -4,8 +4,8 @@ A sensor's rays start by the cosine law. A matte surface scatters a ray by the s
 path's weight is nothing but the product of what its surfaces return and its panes let through
 [Veach 1997, 8.2]; where it escapes, it has found that much of that patch of the sky, and wherever
 it is scattered, a shadow ray looks for the sun. A surface returns light on both of its sides, by
-its face and not by smooth normals. Panes are crossed straight, as `panes` says; what they throw
-back is left out.
+its face and not by smooth normals. Clear panes are crossed straight, as `panes` says, ground ones
+scatter what clear ones would let through; what they throw back is left out.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,6 @@ from ..core.scene import Vector
 from .dome import Dome, escaped_to
 from .meeting import LONGEST, meet
 from .shadow_rays import Aims, Scattered, Shadows
-from .soup import CLOSE
 from .surroundings import Surroundings
 
 
@@ -40,10 +39,13 @@ class Found:
     ``patches`` (n, 3, P) in lx for 1 cd/m² of the dome's P patches: what comes straight, is
     scattered last, and is mirrored last; all are π together under an open sky. ``suns`` (n, S) in
     lx for 1 lx normal to each of the S suns that are aimed at: what is scattered last.
+    ``given_up`` (n,): the weight of paths where they were given up, 0..1; among surfaces that are
+    as bright as the sensor it is the share of light that is missing.
     """
 
     patches: Vector
     suns: Vector
+    given_up: Vector
 
 
 def follow(
@@ -92,17 +94,13 @@ def follow(
         met=dr.zeros(mi.UInt32, lanes),
         veiled=dr.zeros(mi.Bool, lanes),
         mirrored=dr.zeros(mi.Bool, lanes),
+        given_up=dr.zeros(mi.Float, lanes),
         active=dr.full(mi.Bool, True, lanes),
         random=random,
     )
     shadows = Shadows(aims, count, row, across, along, key) if aims else None
     if around.soup.scene is not None:
-        reach = max(around.soup.reach, float(np.abs(start.origins).max(initial=0.0)))
-        rules = _Rules(
-            dr.opaque(mi.Float, 2 * CLOSE * reach),
-            dr.opaque(mi.UInt32, bounces),
-            dr.opaque(mi.Float, veil),
-        )
+        rules = _Rules(dr.opaque(mi.UInt32, bounces), dr.opaque(mi.Float, veil))
         (path,) = dr.while_loop(
             (path,),
             lambda p: p.active,
@@ -114,13 +112,14 @@ def follow(
     kind = dr.select(path.mirrored, 2, kind)
     column = (row * 3 + kind) * patches + escaped_to(path.direction, dome)
     weight = (path.s + path.p) / 2
-    dr.eval(column, weight)
+    dr.eval(column, weight, path.given_up)
     size = 3 * dome.count * count
     found = np.bincount(np.asarray(column), np.asarray(weight), size)
     found *= np.pi / strata**2
     return Found(
         found.reshape(count, 3, dome.count),
         shadows.found(strata**2) if shadows else np.zeros((count, 0)),
+        np.asarray(path.given_up).reshape(count, -1).mean(axis=1, dtype=np.float64),
     )
 
 
@@ -130,7 +129,8 @@ class _Path:
 
     ``s`` and ``p`` are what is left of light polarised either way, ``behind`` how far in m it is
     past the last surface of glass; ``met`` counts surfaces. ``veiled``: whether it has come through
-    a screen since the last opaque surface, ``mirrored`` whether the last to turn it was a mirror.
+    a screen or ground glass since the last opaque surface, ``mirrored``: whether the last to turn
+    it was a mirror. ``given_up``: what was left where it was given up.
     """
 
     origin: Any
@@ -142,15 +142,15 @@ class _Path:
     met: Any
     veiled: Any
     mirrored: Any
+    given_up: Any
     active: Any
     random: Any
 
 
 @dataclass(frozen=True, slots=True)
 class _Rules:
-    """On the device: the step in m off a surface, the most bounces, and the screen."""
+    """On the device: the most bounces, and the screen."""
 
-    step: Any
     bounces: Any
     veil: Any
 
@@ -162,7 +162,8 @@ def _step(path: _Path, around: Surroundings, rules: _Rules, shadows: Shadows | N
 
     on = meet(around, path.origin, path.direction, path.behind, path.active)
     onward = dr.select(on.along > 0, on.normal, -on.normal)
-    veiling = on.leaves & ~path.veiled & (rules.veil > 0)
+    screens = on.leaves & ~path.veiled & (rules.veil > 0)
+    veiling = screens | on.diffuses
 
     ends = on.opaque & (path.bounces >= rules.bounces)
     shines = on.opaque & (path.random.next_float32() < on.mirrored)
@@ -174,22 +175,24 @@ def _step(path: _Path, around: Surroundings, rules: _Rules, shadows: Shadows | N
     direction = dr.select(shines, path.direction - 2 * on.along * on.normal, direction)
 
     # Scattered light is no longer polarised.
-    returned = dr.select(ends, 0, (path.s + path.p) / 2 * on.returned)
+    returned = (path.s + path.p) / 2 * on.returned
+    given_up = path.given_up + dr.select(ends, returned, 0)
+    returned = dr.select(ends, 0, returned)
     s, p = path.s * on.s, path.p * on.p
-    screened = rules.veil * (s + p) / 2
+    screened = dr.select(screens, rules.veil, 1) * (s + p) / 2
     s, p = dr.select(veiling, screened, s), dr.select(veiling, screened, p)
     s, p = dr.select(on.opaque, returned, s), dr.select(on.opaque, returned, p)
     number = path.met + dr.select(on.met, mi.UInt32(1), 0)
     lost = on.met & (number >= LONGEST)
     s, p = dr.select(lost, 0, s), dr.select(lost, 0, p)
 
-    off = dr.select(scatters, rules.step * outward, rules.step * path.direction)
-    off = dr.select(shines, -rules.step * onward, off)
+    off = dr.select(scatters, on.step * outward, on.step * path.direction)
+    off = dr.select(shines, -on.step * onward, off)
     origin = path.origin + on.distance * path.direction + off
     veiled = (path.veiled | veiling) & ~on.opaque
     goes_on = on.met & (s + p > 0)
     if shadows:
-        scattered = Scattered(origin, outward, s, rules.step, veiled, rules.veil)
+        scattered = Scattered(origin, outward, s, on.step, veiled, rules.veil)
         event = 2 * path.bounces + dr.select(veiling, mi.UInt32(1), 0)
         shadows.send(around, scattered, event, scatters & goes_on)
     return _Path(
@@ -197,11 +200,12 @@ def _step(path: _Path, around: Surroundings, rules: _Rules, shadows: Shadows | N
         direction=dr.select(on.met, direction, path.direction),
         s=dr.select(on.met, s, path.s),
         p=dr.select(on.met, p, path.p),
-        behind=dr.select(on.met, rules.step, path.behind),
+        behind=dr.select(on.met, on.step, path.behind),
         bounces=path.bounces + dr.select(on.opaque, mi.UInt32(1), 0),
         met=number,
         veiled=veiled,
         mirrored=(path.mirrored & ~scatters) | shines,
+        given_up=given_up,
         active=goes_on,
         random=path.random,
     )

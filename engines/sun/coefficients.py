@@ -17,9 +17,9 @@ from ..core.progress import SILENT, Progress
 from ..core.scene import Vector
 from .bounces import Start, follow
 from .dome import Dome
+from .rays import clearance
 from .sensors import Sensors
 from .shadow_rays import Aims
-from .soup import CLOSE
 from .surroundings import Surroundings
 
 STRATA = (32, 16)
@@ -41,7 +41,8 @@ class Coefficients:
     a matte surface or through a screen, ``mirrored`` (N, P) last off a mirror. ``suns`` (N, S)
     float32, in lx for 1 lx normal to the sun, is of what is scattered alone; there S is 0 where
     none was aimed at. ``value`` (N, K) is what K skies give, and ``error`` (N, K) its standard
-    error. There were ``rounds`` of strata² paths a sensor.
+    error; ``given_up`` (N,) is as in `bounces.Found`. There were ``rounds`` of strata² paths a
+    sensor.
     """
 
     straight: NDArray[np.float32]
@@ -50,6 +51,7 @@ class Coefficients:
     suns: NDArray[np.float32]
     value: Vector
     error: Vector
+    given_up: Vector
     rounds: int
     strata: int
 
@@ -68,6 +70,7 @@ class Coefficients:
             suns=self.suns[rows],
             value=self.value[rows],
             error=self.error[rows],
+            given_up=self.given_up[rows],
         )
 
     @property
@@ -89,7 +92,7 @@ class Sought:
     and mirrored last. ``suns`` (S, K): what the suns of ``aims`` give in these skies normal to
     them, in lx. There are rounds until the 95 % half-width of the first sky's light, ÷ its mean
     over the sensors, is at most ``error`` (root mean square over the sensors), or until a sensor
-    has sent ``paths``; FEWEST in any case.
+    has sent ``paths``, as where there is no light; FEWEST in any case.
     """
 
     skies: Vector
@@ -97,6 +100,15 @@ class Sought:
     paths: int = 1 << 17
     aims: Aims | None = None
     suns: Vector | None = None
+
+    def most(self) -> Vector:
+        """The most light (K,) that a single path can find, as where it escapes to the brightest."""
+        most = np.pi * self.skies.max(axis=(0, 1))
+        if self.aims is not None and self.suns is not None:
+            chances = self.aims.chances[:, None]
+            seen = np.divide(self.suns, chances, out=np.zeros_like(self.suns), where=chances > 0)
+            most = np.maximum(most, seen.max(axis=0))
+        return most
 
     def light(self, patches: Vector, suns: Vector) -> Vector:
         """What the skies give (N, K) by coefficients (N, 3, P) and (N, S)."""
@@ -130,7 +142,7 @@ def daylight_coefficients(
     patches = np.zeros((count, 3, dome.count))
     suns = np.zeros((count, len(sought.aims.directions) if sought.aims else 0))
     first = np.zeros((count, sought.skies.shape[2]))
-    square = np.zeros_like(first)
+    square, given_up = np.zeros_like(first), np.zeros(count)
     rounds, needed = 0, FEWEST
     while rounds < needed:
         progress(rounds / needed, f"Following daylight, round {rounds + 1} of {needed}")
@@ -138,6 +150,7 @@ def daylight_coefficients(
         found = follow(around, start, dome, bounces, veil, key, sought.aims)
         patches += found.patches
         suns += found.suns
+        given_up += found.given_up
         light = sought.light(found.patches, found.suns)
         first += light
         square += light**2
@@ -146,6 +159,7 @@ def daylight_coefficients(
             needed = _needed(first, square, rounds, sought, start.strata)
     mean = first / rounds
     variance = np.maximum(square / rounds - mean**2, 0.0) / (rounds - 1)
+    error = _error(mean, variance, sought.most() / (rounds * start.strata**2), rounds)
     patches /= rounds
     straight, scattered, mirrored = (patches[:, kind].astype(np.float32) for kind in range(3))
     return Coefficients(
@@ -154,7 +168,8 @@ def daylight_coefficients(
         mirrored,
         (suns / rounds).astype(np.float32),
         mean,
-        np.sqrt(variance),
+        error,
+        given_up / rounds,
         rounds,
         start.strata,
     )
@@ -176,19 +191,29 @@ def open_patches(dome: Dome) -> Vector:
 
 def _start(around: Surroundings, sensors: Sensors, strata: int) -> Start:
     points = sensors.points - around.soup.centre
-    reach = max(around.soup.reach, float(np.abs(points).max(initial=0.0)))
-    origins = points + max(sensors.offset, 2 * CLOSE * reach) * sensors.normals
+    origins = points + clearance(points, (around.soup,), sensors.offset) * sensors.normals
     return Start(origins.astype(np.float32), sensors.normals.astype(np.float32), strata)
+
+
+def _error(mean: Vector, variance: Vector, each: Vector, rounds: int) -> Vector:
+    """The standard error (N, K) of means with this ``variance``, of paths that find up to ``each``.
+
+    What is found seldom scatters more than it shows: one path more is reckoned with. Where none
+    has found anything, less than 3 would in as many again, at 95 % [Hanley & Lippman-Hand 1983].
+    """
+    error = np.sqrt(variance + each**2)
+    return np.where(mean > 0, error, 3 * each / float(stdtrit(rounds - 1, 0.975)))
 
 
 def _needed(first: Vector, square: Vector, rounds: int, sought: Sought, strata: int) -> int:
     """How many rounds there must be in all, as far as these ones tell."""
     mean = first[:, 0] / rounds
     variance = np.maximum(square[:, 0] / rounds - mean**2, 0.0) / (rounds - 1)
-    level = mean.mean() if len(mean) else 0.0
-    if not level > 0:
-        return rounds
-    reached = 1.96 * np.sqrt(variance.mean()) / level
-    more = (reached / sought.error) ** 2
     most = max(sought.paths // strata**2, rounds)
+    if not len(mean) or not sought.skies[..., 0].any():
+        return rounds
+    if not mean.any():
+        return most
+    reached = 1.96 * np.sqrt(variance.mean()) / mean.mean()
+    more = (reached / sought.error) ** 2
     return int(np.clip(np.ceil(rounds * min(more, 1e6)), rounds, most))

@@ -5,7 +5,7 @@ from typing import Any
 
 from ..core import runtime
 from . import panes
-from .surroundings import RECORD, Surroundings
+from .surroundings import CLEAR, RECORD, Surroundings
 
 LONGEST = 256
 """Surfaces, panes among them, that a ray may meet on its way."""
@@ -18,8 +18,9 @@ class Meeting:
     ``met``: whether there is anything; ``distance`` in m. ``along``: the cosine between the ray and
     the ``normal``. ``opaque``: whether it is no pane; then ``returned`` is the share of light that
     comes back and ``mirrored`` the share of that as off a mirror. ``leaves``: whether it is a pane
-    that the ray leaves there, which is where it counts; ``s`` and ``p`` are what light polarised
-    either way keeps, 1 elsewhere.
+    that the ray leaves there, which is where it counts, and ``diffuses``: whether that is ground;
+    ``s`` and ``p`` are what light polarised either way keeps, 1 elsewhere. ``step``: how far in m
+    off the surface the ray goes on.
     """
 
     met: Any
@@ -30,8 +31,10 @@ class Meeting:
     returned: Any
     mirrored: Any
     leaves: Any
+    diffuses: Any
     s: Any
     p: Any
+    step: Any
 
 
 def meet(around: Surroundings, origin: Any, direction: Any, behind: Any, active: Any) -> Meeting:
@@ -60,6 +63,8 @@ def meet(around: Surroundings, origin: Any, direction: Any, behind: Any, active:
         returned=record[4],
         mirrored=record[5],
         leaves=leaves,
+        diffuses=leaves & (record[3] > CLEAR),
         s=dr.select(leaves, s, 1),
         p=dr.select(leaves, p, 1),
+        step=dr.maximum(record[7], panes.LONG * hit.t),
     )

@@ -139,7 +139,7 @@ class Scattered:
 
 
 def _through(around: Surroundings, scattered: Scattered, towards: Any, active: Any) -> Any:
-    """What panes let through to the sun, 0..1; a screen behind the first of them nothing."""
+    """What panes let through to the sun, 0..1; ground ones and screens nothing."""
     mi = runtime.mitsuba()
     import drjit as dr
 
@@ -150,11 +150,11 @@ def _through(around: Surroundings, scattered: Scattered, towards: Any, active: A
         active: Any, origin: Any, behind: Any, s: Any, p: Any, crossed: Any
     ) -> tuple[Any, ...]:
         on = meet(around, origin, towards, behind, active)
-        blocked = on.opaque | (on.leaves & screened)
+        blocked = on.opaque | on.diffuses | (on.leaves & screened)
         return (
             on.met & ~blocked,
-            dr.select(on.met, origin + (on.distance + scattered.step) * towards, origin),
-            dr.select(on.met, scattered.step, behind),
+            dr.select(on.met, origin + (on.distance + on.step) * towards, origin),
+            dr.select(on.met, on.step, behind),
             dr.select(blocked, 0, s * on.s),
             dr.select(blocked, 0, p * on.p),
             crossed + dr.select(on.met, mi.UInt32(1), 0),
