@@ -211,7 +211,8 @@ def _draw_figures(layout: UILayout, context: Context, facts: dict[str, Any]) -> 
     draw_row(box, "Receiver", shown.name)
     for name, (title, unit) in facts["quantities"].items():
         draw_row(box, title, f"{_number(sun.mean_on(shown, name))} {unit}")
-    own = own_figures(facts["figures"], shown.name, [r.name for r in receivers])
+    names = [sun.name_in_study(receiver) for receiver in receivers]
+    own = own_figures(facts["figures"], sun.name_in_study(shown), names)
     for name, figure in own.items():
         if name.partition("_")[0] not in _OF_MAPS:
             draw_row(box, _label(name), f"{_number(figure['value'])} {figure['unit']}")

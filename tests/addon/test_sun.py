@@ -339,6 +339,11 @@ def test_a_receiver_shows_its_own_figures():
     assert own_figures(several, "Desk.001", ["Desk.001"]) == {"ase": 2}
 
 
+def test_a_receiver_that_is_renamed_keeps_its_name_in_the_study(study):
+    study.name = "Another"
+    assert sun.name_in_study(study) == "Receiver"
+
+
 def test_what_is_asked_names_the_weather_by_its_whole_path(ground, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
     bpy.context.scene.heliform.radiation.weather_file = "//here.epw"
