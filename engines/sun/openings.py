@@ -75,9 +75,10 @@ def _pieces(mesh: Mesh) -> Iterator[Pane]:
     count = int(welded.max(initial=-1)) + 1
     links = coo_array((np.ones(len(ends)), ends.T), shape=(count, count))
     pieces = connected_components(links, directed=False)[1][faces[:, 0]]
-    corners = triangles.vertices[triangles.faces]
-    for piece in np.unique(pieces):
-        yield from _pane(corners[pieces == piece])
+    order = np.argsort(pieces, kind="stable")
+    corners = triangles.vertices[triangles.faces[order]]
+    for piece in np.split(corners, np.flatnonzero(np.diff(pieces[order])) + 1):
+        yield from _pane(piece)
 
 
 def _pane(corners: Vector) -> Iterator[Pane]:

@@ -146,3 +146,23 @@ def test_a_room_without_a_pane_has_no_point_for_sunlight_and_says_so():
     assert "en17037_level" in found.figures()
     assert "en17037_sunlight_hours" not in found.figures()
     assert any("No pane gives on to “desk”" in note for note in found.meta["notes"])
+
+
+def test_a_period_of_one_hour_is_a_point_in_time():
+    noon = WorkingHours(
+        span="dates", first_month=6, first_day=21, last_month=6, last_day=21,
+        first_hour=12.0, last_hour=13.0,
+    )  # fmt: skip
+    found = study((), plane(), period=noon)
+    assert len(found.times) == 1
+    assert found.maps[0].mean("illuminance") == pytest.approx(found.hourly["illuminance"][0])
+    assert 8e4 < found.hourly["illuminance"][0] < 1.3e5
+
+
+def test_no_light_but_the_ground_s_comes_into_a_closed_room_without_a_floor():
+    closed = room(floor=False, glazed=False, inner=[box("south", [4.4, 0.2, 3], [0, -2.1, 1.5])])
+    found = study(closed, plane(), record=NOON)
+    assert found.maps[0].mean("daylight_factor") > 1
+    assert any("No floor lies below “desk”" in note for note in found.meta["notes"])
+    slab = box("slab", [4.4, 4.4, 0.1], [0, 0, -0.05], matte(0.2))
+    assert study((*closed, slab), plane(), record=NOON).maps[0].mean("illuminance") < 1
