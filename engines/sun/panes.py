@@ -57,8 +57,8 @@ def told(soup: Soup) -> tuple[str, ...]:
         if body.material.absorption > 0 and not soup.closed(number)
     ]
     return (
-        "Sun goes straight through clear glass here, less what that reflects and absorbs; how it "
-        "is bent and gathered, photon tracing shows.",
+        "Sun goes straight through clear glass here, less what that reflects and absorbs, which is "
+        "lost; how it is bent, gathered and thrown back, photon tracing shows.",
         *(
             f"Glass “{n}” is not closed, so its tint is left out; give it a thickness."
             for n in flat

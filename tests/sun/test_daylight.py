@@ -257,8 +257,14 @@ def test_nothing_to_measure_is_refused():
 
 
 def test_a_day_that_there_is_not_is_refused():
+    reached = []
+    record = dataclasses.replace(
+        QUICK, period=WorkingHours(), exposure_month=2, exposure_day=31, accuracy=20.0
+    )
+    scene = Scene(room(), (), (plane(),))
     with pytest.raises(ParameterError, match="no day 31"):
-        study(period=WorkingHours(), exposure_month=2, exposure_day=31)
+        study_daylight(scene, record, progress=lambda share, text: reached.append(share))
+    assert reached == [0.0]  # before anything is traced
 
 
 def test_the_record_is_written_and_read_with_its_working_hours():
