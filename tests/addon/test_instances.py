@@ -238,6 +238,16 @@ def test_a_study_of_sun_sees_them_and_says_so(scene):
     assert any("only bodies may be instances" in note for note in given.notes)
 
 
+def least_time():
+    """Seconds that reading the bodies takes, and how many they are."""
+    taken = []
+    for _ in range(4):
+        started = time.perf_counter()
+        found = bodies()
+        taken.append(time.perf_counter() - started)
+    return min(taken), len(found)
+
+
 def test_many_are_read_in_a_moment(scene, record_property):
     """500 instances cost less than 500 objects."""
     block = add("cube", "One").data
@@ -245,18 +255,14 @@ def test_many_are_read_in_a_moment(scene, record_property):
         obj = bpy.data.objects.new(f"Plain {k:03}", block)
         obj.heliform.role = "BODY"
         scene.collection.objects.link(obj)
-    bodies()
-    started = time.perf_counter()
-    assert len(bodies()) == 501
-    plain = time.perf_counter() - started
+    plain, count = least_time()
+    assert count == 501
     drawer = collected(scene, "Drawer", *scene.collection.objects)
     for obj in list(drawer.objects)[1:]:
         bpy.data.objects.remove(obj)
     for k in range(500):
         instance(scene, f"Copy {k:03}", drawer)
-    bodies()
-    started = time.perf_counter()
-    assert len(bodies()) == 500
-    copies = time.perf_counter() - started
+    copies, count = least_time()
+    assert count == 500
     record_property("seconds", (plain, copies))
     assert copies < 2 * plain

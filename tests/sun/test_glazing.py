@@ -2,7 +2,12 @@
 
 import numpy as np
 import pytest
-from heliform.engines.core.glazing import by_absorption, highest_transmittance, thickness
+from heliform.engines.core.glazing import (
+    by_absorption,
+    highest_transmittance,
+    normal_depth,
+    thickness,
+)
 from heliform.engines.core.material_presets import material_presets
 from heliform.engines.core.scene import Material, Mesh, Scene
 from heliform.engines.light.stage import build
@@ -69,6 +74,15 @@ def test_paths_through_glazing_lose_as_much():
         angles = np.degrees(np.arcsin(np.sqrt((np.arange(400) + 0.5) / 400)))
         mean = slab(angles, material.ior, depth(material)).mean()
         assert lit.straight.sum() / np.pi == pytest.approx(mean, rel=0.02)
+
+
+@pytest.mark.parametrize("name", GLAZINGS)
+def test_the_tint_is_that_of_radiances_glass(name):
+    """Its manual's formula for the transmissivity that gives a transmittance, of index 1.52."""
+    wanted = GLAZINGS[name].transmittance
+    root = np.sqrt(0.8402528435 + 0.0072522239 * wanted**2)
+    theirs = (root - 0.9166530661) / 0.0036261119 / wanted
+    assert np.exp(-normal_depth(GLAZINGS[name])) == pytest.approx(theirs, rel=1e-5)
 
 
 @pytest.mark.parametrize("thick", [0.002, 0.006, 0.03])
