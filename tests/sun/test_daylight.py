@@ -212,6 +212,15 @@ def test_the_error_that_is_told_is_the_one_between_two_runs():
     assert 1.96 * real == pytest.approx(told, rel=0.35)
 
 
+def test_what_more_reflections_would_add_is_told_within_a_factor_of_two():
+    few, many = (study(room(), period=MARCH, bounces=n, error=0.01) for n in (2, 16))
+    means = [r.maps[0].mean("illuminance") for r in (few, many)]
+    told = few.figures()["given_up"]["value"] / 100
+    assert 0.5 < told / (means[1] / means[0] - 1) < 2
+    assert any("would come by more reflections" in note for note in few.meta["notes"])
+    assert many.figures()["given_up"]["value"] < 0.5
+
+
 def test_the_same_seed_gives_the_same_maps():
     one, again = (study(room(), period=MARCH) for _ in range(2))
     assert np.array_equal(one.maps[0].maps["illuminance"], again.maps[0].maps["illuminance"])
