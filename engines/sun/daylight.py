@@ -19,11 +19,12 @@ from .interior import Interior
 from .maps import SunMap, SunMaps, quantities_of
 from .metrics import Light
 from .occlusion import mesh_of
-from .periods import Period, period_text, selected
+from .periods import Period, period_text, season_notes, selected
 from .position import sun_position
 from .radiation import areas_of, looking_down, sensors_in
 from .sensors import Sensors, joined
 from .site import Site
+from .sky_matrix import require_size
 from .summing import Year
 from .weather import Weather
 from .weights import weather_of
@@ -96,7 +97,8 @@ def study_daylight(
     year = year_of(interior, course, counted, record, seed, part(progress, 0.05, 1.0))
     maps = _maps(scene, parts, year)
     figures, said = daylight_figures(maps, interior, course, year, record, annual)
-    notes = [*course.notes, *year.notes, *_notes(scene, record, interior), *said]
+    seasons = season_notes(record.period, course.dome.site)
+    notes = [*course.notes, *seasons, *year.notes, *_notes(scene, record, interior), *said]
     meta: dict[str, Any] = {
         "kind": "daylight",
         "parameters": to_table(record),
@@ -145,10 +147,12 @@ def light_of(record: Daylight) -> tuple[Course, NDArray[np.bool_], str]:
     weather, site = weather_of(record.site, record.weather_file)
     counted = selected(weather, record.period, site)
     mask = counted | _up(weather, site) if record.period.span == "year" else counted
+    dome = Dome(record.subdivision, site)
+    require_size(dome.count, int(np.count_nonzero(mask)))
     course = course_of(
         weather,
         site,
-        Dome(record.subdivision, site),
+        dome,
         mask,
         accuracy=record.accuracy,
         ground_reflectance=record.ground_reflectance,
