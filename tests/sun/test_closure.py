@@ -143,7 +143,7 @@ def test_remedies_that_mend_as_much_are_all_named(tmp_path):
         read(tmp_path, cloudy(east), offset=-7)
 
 
-@pytest.mark.parametrize(("clear_share", "notes"), [(0.45, 1), (0.8, 0)])
+@pytest.mark.parametrize(("clear_share", "notes"), [(0.45, 1), (1.0, 0)])
 def test_a_dull_month_of_half_hours_keeps_its_watts(clear_share, notes, tmp_path):
     clear = clear_weather(BOSTON, hours=0.5)
     level = np.round(clear_share * clear.global_horizontal)
