@@ -123,13 +123,18 @@ def clear_weather(
 
     said = "monthly values" if np.ptp(months) else f"{months[0]:g}"
     found = _cloudless(site, year, hours, model, f"Clear sky, Ineichen–Perez, turbidity {said}")
-    if turbidity is not None or site.turbidity:
-        return found
-    note = (
-        f"The air has Boston's Linke turbidity, {months.min():g} to {months.max():g} by month; set "
-        "the site's where its air is cleaner or more polluted."
-    )
+    note = f"The air's Linke turbidity is {_range_text(months)}, as it was set."
+    if turbidity is None and not site.turbidity:
+        note = (
+            f"The air's Linke turbidity is Boston's, {_range_text(months)}; set the site's where "
+            "the air is cleaner or more polluted."
+        )
     return replace(found, notes=(*found.notes, note))
+
+
+def _range_text(months: Vector) -> str:
+    low, high = months.min(), months.max()
+    return f"{low:g}" if low == high else f"{low:g} to {high:g} by month"
 
 
 def clear_weather_bird(

@@ -125,9 +125,9 @@ def test_a_sites_turbidity_is_that_of_its_months():
     air = clear_weather(Site(turbidity=4.5))
     assert np.array_equal(air.direct_normal, clear_weather(Site(), turbidity=4.5).direct_normal)
     assert air.source.endswith("turbidity 4.5")
-    assert not any("Boston" in note for note in air.notes)
+    assert air.notes[-1] == "The air's Linke turbidity is 4.5, as it was set."
     (note,) = (note for note in clear_weather(Site()).notes if "Boston" in note)
-    assert "Linke turbidity, 2.45 to 3.95 by month" in note
+    assert "Linke turbidity is Boston's, 2.45 to 3.95 by month" in note
     with pytest.raises(ParameterError, match="Linke turbidity"):
         clear_weather(Site(turbidity=0.5))
 
