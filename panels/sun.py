@@ -93,6 +93,7 @@ class HELIFORM_PT_sun_result(_Part, Panel):
         _draw_figures(layout, context, facts)
         row = layout.row(align=True)
         row.operator("heliform.export_sun_hours", icon="EXPORT")
+        row.operator("heliform.sun_to_vertices", text="", icon="VERTEXSEL")
         row.operator("heliform.open_sun_report", text="", icon="URL")
         row.operator("heliform.clear_sun", text="", icon="X")
         row = layout.row(align=True)

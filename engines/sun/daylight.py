@@ -12,8 +12,8 @@ from ..core.parameters import nested, param, to_table
 from ..core.progress import SILENT, Progress, part
 from ..core.scene import Body, Material, Scene
 from .annual import light_at, year_of
-from .bounces import Dome
 from .daylight_figures import daylight_figures
+from .dome import Dome
 from .illuminance import Course, course_of
 from .interior import Interior
 from .maps import SunMap, SunMaps, quantities_of
@@ -204,8 +204,9 @@ def _notes(scene: Scene, record: Daylight, interior: Interior) -> list[str]:
         )
     if record.bounces:
         notes.append(
-            f"Light is given up after {record.bounces} reflections; reflected sun comes from the "
-            f"sky's patches, {12 / record.subdivision:g}° wide."
+            f"Light is given up after {record.bounces} reflections; over long periods what "
+            "surfaces scatter of the sun comes from suns up to 6° around it, and mirrors show it "
+            f"on the sky's patches, {12 / record.subdivision:g}° wide."
         )
     if record.blinds and not interior.veiled:
         notes.append("No body is clear glass, so there are no blinds to close.")

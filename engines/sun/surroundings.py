@@ -14,7 +14,8 @@ from .soup import Soup
 
 RECORD = 8
 """Floats a triangle: its normal, whether it is a pane, and of a pane index, absorption and whether
-it is a sheet, of others what they return, the share of that as a mirror does, and nothing."""
+it is a sheet, of others what they return, the share of that as a mirror does, and 0; and the step
+in m off it."""
 
 
 class Surroundings:
@@ -47,8 +48,9 @@ def _records(soup: Soup) -> NDArray[np.float32]:
     """(T, RECORD) of the soup's triangles."""
     own = np.array([_own(soup, number) for number in range(len(soup.bodies))])
     outward = soup.normals() * soup.orientation[soup.owner, None]
-    spare = np.zeros((len(outward), 1))
-    return np.concatenate([outward, own[soup.owner], spare], axis=1).astype(np.float32)
+    return np.concatenate([outward, own[soup.owner], soup.steps()[:, None]], axis=1).astype(
+        np.float32
+    )
 
 
 def _own(soup: Soup, number: int) -> tuple[float, float, float, float]:

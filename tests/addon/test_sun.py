@@ -192,6 +192,23 @@ def test_hours_are_exported_as_a_table(study, tmp_path):
     assert sum(line.startswith("2019-06-21 ") for line in lines) == 6
 
 
+def test_a_map_goes_on_the_vertices_of_a_mesh(ground):
+    with pytest.raises(RuntimeError, match="poll"):
+        bpy.ops.heliform.sun_to_vertices()
+    bpy.data.objects.remove(bpy.data.objects["Canopy"])
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=6, location=(0, 0, 5))
+    ball = bpy.context.object
+    ball.heliform.role = "RECEIVER"
+    ball.heliform.plane.resolution = 64
+    assert bpy.ops.heliform.study_sun() == {"FINISHED"}
+    assert bpy.ops.heliform.sun_to_vertices() == {"FINISHED"}
+    assert "total" not in ground.data.attributes
+    values = np.array([item.value for item in ball.data.attributes["total"].data])
+    height = np.array([vertex.co.z for vertex in ball.data.vertices])
+    assert values[height > 0.8].min() > 2 * values[height < -0.8].max()
+    assert values.max() < sun.map_on(ground).maps["total"].max()
+
+
 def test_a_range_set_by_hand_is_taken_and_an_empty_one_said(study):
     display = bpy.context.scene.heliform.sun_display
     display.automatic = False
