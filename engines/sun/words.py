@@ -1,0 +1,101 @@
+"""Studies of sun and sky in words: what a figure is called, how a number reads, where and when."""
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from .tables import QUANTITIES
+
+LEVELS = ("none", "minimum", "medium", "high")
+"""The levels of EN 17037 by their number."""
+
+_KINDS = {"mean": "", "min": ", least", "max": ", greatest", "sum": ", sum"}
+_PATTERNS = (
+    (r"sda_(\d+)_(\d+)_without_blinds", "LM-83", r"sDA \1/\2, no blinds"),
+    (r"sda_(\d+)_(\d+)", "LM-83", r"sDA \1/\2"),
+    (r"ase_(\d+)_(\d+)", "LM-83", r"ASE \1/\2"),
+    (r"blinds_closed", "LM-83", "Blinds closed"),
+    (r"en17037_level", "EN 17037", "Daylight level"),
+    (r"en17037_target_(\d+)", "EN 17037", r"Target \1 lx"),
+    (r"en17037_least_(\d+)", "EN 17037", r"Minimum \1 lx"),
+    (r"en17037_sunlight_hours", "EN 17037", "Sunlight"),
+    (r"en17037_sunlight_level", "EN 17037", "Sunlight level"),
+    (r"error_hour", "Error (95 %)", "Single hour"),
+)
+_THIN_SPACE = "\u2009"
+
+
+def figure_words(name: str) -> tuple[str, str]:
+    """What the figure of that name belongs to, "" for none, and its own title.
+
+    “en17037_target_300” is (“EN 17037”, “Target 300 lx”), “Floor.mean_total” (“Floor”,
+    “Irradiation”).
+    """
+    receiver, _, own = name.rpartition(".")
+    kind, _, quantity = own.partition("_")
+    if kind in _KINDS and quantity in QUANTITIES:
+        return receiver, QUANTITIES[quantity][0] + _KINDS[kind]
+    for pattern, group, title in _PATTERNS:
+        if re.fullmatch(pattern, own):
+            return group, re.sub(pattern, title, own)
+    if kind == "error":
+        title = QUANTITIES[quantity][0] if quantity in QUANTITIES else quantity.replace("_", " ")
+        return "Error (95 %)", title
+    words = own.replace("_", " ")
+    return receiver, words[:1].upper() + words[1:]
+
+
+def figure_title(name: str) -> str:
+    """The same in one text: “EN 17037: Target 300 lx”."""
+    return ": ".join(filter(None, figure_words(name)))
+
+
+def figure_text(name: str, figure: Mapping[str, Any]) -> str:
+    """A figure's value with its unit: “51.2 %”, “medium”, “–” where it is not known."""
+    value = figure["value"]
+    if name.endswith("_level") and math.isfinite(value):
+        return LEVELS[round(value)]
+    return f"{number_text(value)} {figure['unit']}".strip() if math.isfinite(value) else "–"
+
+
+def number_text(value: float) -> str:
+    """Three digits or more and no exponent: 0.535, 1652, 51 400 with a thin space; “–” for NaN."""
+    if not math.isfinite(value):
+        return "–"
+    if abs(value) < 999.5:
+        text = f"{value:.3g}"
+        return (
+            text if "e" not in text else f"{value:.5f}".rstrip("0").rstrip(".").replace("-0", "0")
+        )
+    whole = round(value) if abs(value) < 10_000 else round(float(f"{value:.3g}"))
+    return f"{whole:,}".replace(",", _THIN_SPACE) if abs(whole) >= 10_000 else str(whole)
+
+
+def facts_of(meta: Mapping[str, Any]) -> dict[str, str]:
+    """Where and when a study's result is of: place, north, clock, weather and period, as texts.
+
+    ``meta`` is that of `maps.SunMaps`, whose site, source and period these are.
+    """
+    site = meta["site"]
+    north = site["north"] % 360
+    turned = f"{north:g}° clockwise from north" if north else "north"
+    return {
+        "Place": place_text(site["latitude"], site["longitude"]),
+        "Elevation": f"{site['elevation']:g} m",
+        "Clock": _clock(site["utc_offset"]),
+        "Model's +Y axis": turned,
+        "Weather": meta["source"],
+        "Period": meta["period"],
+    }
+
+
+def place_text(latitude: float, longitude: float) -> str:
+    """Degrees north and east as “33.95° S, 151.18° E”."""
+    return f"{abs(latitude):.2f}° {'NS'[latitude < 0]}, {abs(longitude):.2f}° {'EW'[longitude < 0]}"
+
+
+def _clock(offset: float) -> str:
+    minutes = round(60 * abs(offset))
+    part = f":{minutes % 60:02d}" if minutes % 60 else ""
+    return f"UTC{'+−'[offset < 0]}{minutes // 60}{part}, no daylight saving"
