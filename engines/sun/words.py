@@ -23,6 +23,10 @@ _PATTERNS = (
     (r"en17037_sunlight_level", "EN 17037", "Sunlight level"),
     (r"error_hour", "Error (95 %)", "Single hour"),
 )
+_GRAVE = (
+    *("lie inside", "looks down", "face away", "hidden", "never up", "glass", "deleted"),
+    *("check the", "no area", "guessed", "is within"),
+)
 _THIN_SPACE = "\u2009"
 
 
@@ -65,9 +69,7 @@ def number_text(value: float) -> str:
         return "–"
     if abs(value) < 999.5:
         text = f"{value:.3g}"
-        return (
-            text if "e" not in text else f"{value:.5f}".rstrip("0").rstrip(".").replace("-0", "0")
-        )
+        return text if "e" not in text else "0"
     whole = round(value) if abs(value) < 10_000 else round(float(f"{value:.3g}"))
     return f"{whole:,}".replace(",", _THIN_SPACE) if abs(whole) >= 10_000 else str(whole)
 
@@ -99,3 +101,8 @@ def _clock(offset: float) -> str:
     minutes = round(60 * abs(offset))
     part = f":{minutes % 60:02d}" if minutes % 60 else ""
     return f"UTC{'+−'[offset < 0]}{minutes // 60}{part}, no daylight saving"
+
+
+def matters(note: str) -> bool:
+    """Whether a note says that something may be wrong, not only how it was computed."""
+    return any(word in note for word in _GRAVE)
