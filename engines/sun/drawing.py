@@ -64,6 +64,6 @@ def _values(result: SunMaps, name: str) -> NDArray[np.float32]:
 def summary(one: SunMap, name: str, unit: str) -> str:
     """The line below a picture: mean, least and greatest."""
     values = one.maps[name]
-    texts = (number_text(v) for v in (one.mean(name), np.nanmin(values), np.nanmax(values)))
+    texts = (number_text(float(v)) for v in (one.mean(name), np.nanmin(values), np.nanmax(values)))
     mean, least, most = (f"{text} {unit}".strip() for text in texts)
     return f"mean {mean}, least {least}, greatest {most}"

@@ -81,12 +81,12 @@ def facts_of(meta: Mapping[str, Any]) -> dict[str, str]:
     """
     site = meta["site"]
     north = site["north"] % 360
-    turned = f"{north:g}° clockwise from north" if north else "north"
+    turned = f"{north:g}°, clockwise from north" if north else "north"
     return {
         "Place": place_text(site["latitude"], site["longitude"]),
         "Elevation": f"{site['elevation']:g} m",
         "Clock": _clock(site["utc_offset"]),
-        "Model's +Y axis": turned,
+        "+Y axis": turned,
         "Weather": meta["source"],
         "Period": meta["period"],
     }

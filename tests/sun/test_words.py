@@ -60,5 +60,5 @@ def test_where_and_when_is_said():
     facts = facts_of({"site": to_table(site), "source": "Sydney", "period": "year"})
     assert facts["Place"] == "33.95° S, 151.18° E"
     assert facts["Clock"].startswith("UTC+9:30")
-    assert facts["Model's +Y axis"] == "340° clockwise from north"
+    assert facts["+Y axis"] == "340°, clockwise from north"
     assert facts["Weather"] == "Sydney"
