@@ -39,7 +39,7 @@ class SunNow:
 
 
 def site_of(scene: bpy.types.Scene) -> Site:
-    """Where the scene stands: where its weather file is of, else where it says; north is its own."""
+    """Where the scene stands: where its weather file is of, else where it is set; north is set."""
     own = read(scene.heliform.radiation.site, Site, scale_of(scene))
     there = _taken(scene)["site"]
     return replace(from_table(Site, there, "site"), north=own.north) if there else own

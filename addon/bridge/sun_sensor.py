@@ -44,7 +44,8 @@ def staging_at(obj: bpy.types.Object, place: Vector, normal: Vector) -> Staging:
         bodies = surfaces_of if analysis is SUN_DAYLIGHT else bodies_of
         scene = Scene(bodies(given), (), (sensor,))
         record = sun_said.asked(context.scene, analysis.record)
-        return Gathered(sensor.name, scene, record, {sensor.name: obj})
+        display = Display(palette=context.scene.heliform.sun_display.palette, log=False)
+        return Gathered(sensor.name, scene, record, {sensor.name: obj}, display=display)
 
     def stage(
         scene: bpy.types.Scene,

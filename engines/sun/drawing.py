@@ -15,6 +15,7 @@ from .words import number_text
 
 _ITS_OWN = ("daylight_factor", "shading")
 """Per cent that need not come near 100."""
+_NEARLY_ALL = 95  # per cent of the texels
 
 
 def draw(result: SunMaps, folder: Path, display: Display) -> list[str]:
@@ -42,7 +43,8 @@ def scale_of(result: SunMaps, name: str, display: Display) -> ColourScale:
     """The scale of one map's name, the same for all receivers and evenly spaced.
 
     An automatic one of shares of the time reaches to 100 %. Irradiation with and without buildings
-    is on one scale, that of the latter, unless buildings keep more than half of it off.
+    is on one scale, that of the latter, unless nearly all of what is shown is below half of that,
+    as in a room: then the scale is of nearly all, and a sunny spot by a window is off it.
 
     Raises ParameterError as `scale_for`.
     """
@@ -50,11 +52,14 @@ def scale_of(result: SunMaps, name: str, display: Display) -> ColourScale:
     display = replace(display, log=False)
     if display.automatic and unit == "%" and name not in _ITS_OWN:
         return ColourScale(0.0, 100.0, False, display.palette, title, unit)
-    scale = scale_for(_values(result, name), display, title, unit)
+    values = _values(result, name)
     if display.automatic and name == "total" and "open" in result.maps[0].maps:
         free = scale_for(_values(result, "open"), display, title, unit)
-        return free if scale.high >= free.high / 2 else scale
-    return scale
+        most = np.nanpercentile(values, _NEARLY_ALL) if np.isfinite(values).any() else 0.0
+        if most >= free.high / 2:
+            return free
+        values = np.minimum(values, most)
+    return scale_for(values, display, title, unit)
 
 
 def _values(result: SunMaps, name: str) -> NDArray[np.float32]:
