@@ -24,8 +24,8 @@ _PATTERNS = (
     (r"error_hour", "Error (95 %)", "Single hour"),
 )
 _GRAVE = (
-    *("lie inside", "looks down", "face away", "hidden", "never up", "glass", "deleted"),
-    *("check the", "no area", "guessed", "is within"),
+    *("lie inside", "looks down", "face away", "hidden", "never up", "deleted"),
+    *("check the", "no area", "guessed", "by its name", "named", "No body is clear glass"),
 )
 _THIN_SPACE = "\u2009"
 
@@ -100,7 +100,7 @@ def place_text(latitude: float, longitude: float) -> str:
 def _clock(offset: float) -> str:
     minutes = round(60 * abs(offset))
     part = f":{minutes % 60:02d}" if minutes % 60 else ""
-    return f"UTC{'+−'[offset < 0]}{minutes // 60}{part}, no daylight saving"
+    return f"UTC{'+−'[offset < 0]}{minutes // 60}{part} all year"
 
 
 def matters(note: str) -> bool:
