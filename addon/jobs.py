@@ -198,7 +198,7 @@ def export(
 
     Raises FileError.
     """
-    title = Path(bpy.data.filepath).stem or scene.name
+    title = Path(bpy.data.filepath).stem or given.name
     settings = scene.heliform
     display = given.display or read(settings.display, Display)
     return save_study(

@@ -147,7 +147,7 @@ class HELIFORM_PT_sun_daylight_more(Room, Panel):
         layout, daylight = self.layout, context.scene.heliform.daylight
         prepare(layout)
         draw(layout, daylight, Daylight, _SHARED | _TOLD)
-        layout.prop(daylight, "open", text="Without Buildings Too")
+        layout.prop(daylight, "open", text="Open Field Too")
         button = layout.operator("heliform.export_study", text="Export Study", icon="EXPORT")
         button.analysis = SUN_DAYLIGHT.name
 
@@ -166,7 +166,7 @@ class HELIFORM_PT_sun_site(_Part, Panel):
         if radiation.weather_file and not sun_place.weather_problem(context.scene):
             site = sun_place.site_of(context.scene)
             column.active = False
-            draw_row(column, "As the weather file says", "")
+            column.label(text="As the weather file says", icon="INFO")
             draw_row(column, "Latitude", f"{site.latitude:.2f}°")
             draw_row(column, "Longitude", f"{site.longitude:.2f}°")
             draw_row(column, "Elevation", f"{site.elevation:g} m")
@@ -213,7 +213,7 @@ class HELIFORM_PT_sun_more(_Part, Panel):
         layout, radiation = self.layout, context.scene.heliform.radiation
         prepare(layout)
         draw(layout, radiation, Radiation, _SHARED)
-        layout.prop(radiation, "open", text="Without Buildings Too")
+        layout.prop(radiation, "open", text="Open Field Too")
         button = layout.operator("heliform.export_study", text="Export Study", icon="EXPORT")
         button.analysis = SUN_RADIATION.name
 
@@ -225,9 +225,9 @@ def _draw_period(layout: UILayout, period: Any) -> None:
     if period.span.endswith("season"):
         column.prop(period, "seasons", text="Parted by")
     if period.span.endswith("season") and period.seasons == "dates":
-        _draw_dates(column, period.cooling, "Cooling from")
+        _draw_dates(column, period.cooling, "Cooled from")
     elif period.span == "dates":
-        _draw_dates(column, period, "From")
+        _draw_dates(column, period, "From day")
     elif period.span == "months":
         column.prop(period, "first_month", text=f"From {_month(period.first_month)}")
         column.prop(period, "last_month", text=f"to {_month(period.last_month)}")
@@ -238,7 +238,7 @@ def _draw_period(layout: UILayout, period: Any) -> None:
 
 def _draw_dates(column: UILayout, ends: Any, begin: str) -> None:
     """The first and the last day, with the names of their months."""
-    column.prop(ends, "first_day", text=f"{begin} day")
+    column.prop(ends, "first_day", text=begin)
     column.prop(ends, "first_month", text=_month(ends.first_month))
     column.prop(ends, "last_day", text="to day")
     column.prop(ends, "last_month", text=_month(ends.last_month))
@@ -249,7 +249,7 @@ def _month(number: int) -> str:
 
 
 def _draw_figures(layout: UILayout, context: Context, facts: dict[str, Any]) -> None:
-    """The means of each map on the active receiver, or on the first, then the other figures."""
+    """The means of each map and the figures of the active receiver, or of the first."""
     receivers = sun.staged_on(context.scene)
     shown = context.object if context.object in receivers else receivers[0]
     box = layout.box().column(align=True)
@@ -257,9 +257,11 @@ def _draw_figures(layout: UILayout, context: Context, facts: dict[str, Any]) -> 
     for name, (title, unit) in facts["quantities"].items():
         mean = {"value": sun.mean_on(shown, name), "unit": unit}
         _draw_figure(box, _SHORT.get(name, title), figure_text(name, mean))
+    names = [sun.name_in_study(receiver) for receiver in receivers]
+    own = own_figures(facts["figures"], sun.name_in_study(shown), names)
     groups: dict[str, list[tuple[str, str]]] = {}
-    for name, figure in facts["figures"].items():
-        if name.partition("_")[0] not in _OF_MAPS and "." not in name:
+    for name, figure in own.items():
+        if name.partition("_")[0] not in _OF_MAPS:
             group, title = figure_words(name)
             groups.setdefault(group, []).append((title, figure_text(name, figure)))
     for group, rows in groups.items():
@@ -271,6 +273,17 @@ def _draw_figures(layout: UILayout, context: Context, facts: dict[str, Any]) -> 
     box = layout.box().column(align=True)
     for name, text in {"Period": facts["period"], **facts.get("facts", {})}.items():
         _draw_fact(box, name, text)
+
+
+def own_figures(figures: dict[str, Any], receiver: str, receivers: list[str]) -> dict[str, Any]:
+    """A receiver's own figures, without its name; where it is the only one, they have none."""
+    longer = tuple(f"{r}." for r in receivers if r.startswith(f"{receiver}."))
+    own = {
+        name.removeprefix(f"{receiver}."): figure
+        for name, figure in figures.items()
+        if name.startswith(f"{receiver}.") and not name.startswith(longer)
+    }
+    return own or (figures if len(receivers) == 1 else {})
 
 
 def _draw_figure(layout: UILayout, title: str | None, text: str) -> None:

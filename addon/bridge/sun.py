@@ -160,7 +160,8 @@ def _keep(obj: bpy.types.Object, one: SunMap) -> None:
     )
     means = {name: one.mean(name) for name in names}
     obj.pop(_MARKS, None)
-    obj[_MAPS] = json.dumps({"kinds": kinds, "sides": list(sides), "means": means})
+    kept = {"receiver": one.receiver, "kinds": kinds, "sides": list(sides), "means": means}
+    obj[_MAPS] = json.dumps(kept)
 
 
 def say(scene: bpy.types.Scene, **facts: Any) -> None:
@@ -211,6 +212,11 @@ def offered_maps(scene: bpy.types.Scene) -> dict[str, list[str]]:
 def mean_on(obj: bpy.types.Object, name: str) -> float:
     """The mean of a map over a receiver, NaN where it does not have it."""
     return _kept(obj)["means"].get(name, float("nan"))
+
+
+def name_in_study(obj: bpy.types.Object) -> str:
+    """What its study calls a receiver, whose object may have been renamed since."""
+    return _kept(obj).get("receiver", obj.name)
 
 
 def map_on(obj: bpy.types.Object) -> SunMap:

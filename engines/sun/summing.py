@@ -94,12 +94,16 @@ def _asking(
     weights = np.zeros((len(hours), 1 + len(single)))
     weights[:, 0] = np.where(chosen, hours, 0.0) / hours.sum()
     weights[single, 1 + np.arange(len(single))] = 1.0
-    skies = course.luminances(weights)
-    cloudy = np.tile(overcast(course.dome, asked.ground_reflectance)[None, :, None], (2, 1, 1))
-    order = np.concatenate([skies[:, :, :1], cloudy, skies[:, :, 1:]], axis=2)
-    return _Asking(
-        Sought(order, loose * asked.error, asked.paths), single, np.zeros(order.shape[2])
+    skies, suns = course.luminances(weights), course.normal(weights)
+    cloudy = np.tile(overcast(course.dome, asked.ground_reflectance)[None, :, None], (3, 1, 1))
+    sought = Sought(
+        np.insert(skies, [1], cloudy, axis=2),
+        loose * asked.error,
+        asked.paths,
+        course.aims(suns[:, 0], chosen),
+        np.insert(suns, 1, 0.0, axis=1),
     )
+    return _Asking(sought, single, np.zeros(2 + len(single)))
 
 
 def _looseness(

@@ -11,17 +11,20 @@ LEVELS = ("none", "minimum", "medium", "high")
 """The levels of EN 17037 by their number."""
 
 _KINDS = {"mean": "", "min": ", least", "max": ", greatest", "sum": ", sum"}
+_ERROR = "Error (95 %)"
+_FIRST = (*_KINDS, "sda", "ase", "blinds", "en17037", "error")
+"""What names of figures begin with."""
 _PATTERNS = (
-    (r"sda_(\d+)_(\d+)_without_blinds", "LM-83", r"sDA \1/\2, no blinds"),
-    (r"sda_(\d+)_(\d+)", "LM-83", r"sDA \1/\2"),
-    (r"ase_(\d+)_(\d+)", "LM-83", r"ASE \1/\2"),
+    (r"sda_([\d.]+)_([\d.]+)_without_blinds", "LM-83", r"sDA \1/\2, no blinds"),
+    (r"sda_([\d.]+)_([\d.]+)", "LM-83", r"sDA \1/\2"),
+    (r"ase_([\d.]+)_([\d.]+)", "LM-83", r"ASE \1/\2"),
     (r"blinds_closed", "LM-83", "Blinds closed"),
     (r"en17037_level", "EN 17037", "Daylight level"),
-    (r"en17037_target_(\d+)", "EN 17037", r"Target \1 lx"),
-    (r"en17037_least_(\d+)", "EN 17037", r"Minimum \1 lx"),
+    (r"en17037_target_([\d.]+)", "EN 17037", r"Target \1 lx"),
+    (r"en17037_least_([\d.]+)", "EN 17037", r"Minimum \1 lx"),
     (r"en17037_sunlight_hours", "EN 17037", "Sunlight"),
     (r"en17037_sunlight_level", "EN 17037", "Sunlight level"),
-    (r"error_hour", "Error (95 %)", "Single hour"),
+    (r"error_hour", _ERROR, "Single hour"),
 )
 _GRAVE = (
     *("lie inside", "looks down", "face away", "hidden", "never up", "deleted"),
@@ -31,28 +34,27 @@ _THIN_SPACE = "\u2009"
 
 
 def figure_words(name: str) -> tuple[str, str]:
-    """What the figure of that name belongs to, "" for none, and its own title.
+    """What a receiver's figure of that name belongs to, "" for none, and its own title.
 
-    “en17037_target_300” is (“EN 17037”, “Target 300 lx”), “Floor.mean_total” (“Floor”,
-    “Irradiation”).
+    “en17037_target_300” is (“EN 17037”, “Target 300 lx”), “mean_total” (“”, “Irradiation”).
     """
-    receiver, _, own = name.rpartition(".")
-    kind, _, quantity = own.partition("_")
+    kind, _, quantity = name.partition("_")
     if kind in _KINDS and quantity in QUANTITIES:
-        return receiver, QUANTITIES[quantity][0] + _KINDS[kind]
+        return "", QUANTITIES[quantity][0] + _KINDS[kind]
     for pattern, group, title in _PATTERNS:
-        if re.fullmatch(pattern, own):
-            return group, re.sub(pattern, title, own)
-    if kind == "error":
-        title = QUANTITIES[quantity][0] if quantity in QUANTITIES else quantity.replace("_", " ")
-        return "Error (95 %)", title
-    words = own.replace("_", " ")
-    return receiver, words[:1].upper() + words[1:]
+        if re.fullmatch(pattern, name):
+            return group, re.sub(pattern, title, name)
+    if kind == "error" and quantity in QUANTITIES:
+        return _ERROR, QUANTITIES[quantity][0]
+    words = name.replace("_", " ")
+    return "", words[:1].upper() + words[1:]
 
 
 def figure_title(name: str) -> str:
-    """The same in one text: “EN 17037: Target 300 lx”."""
-    return ": ".join(filter(None, figure_words(name)))
+    """The same in one text, after the receiver's name where there is one: “Floor: sDA 300/50”."""
+    found = re.fullmatch(rf"(?:(.*)\.)?((?:{'|'.join(_FIRST)})_.*)", name, re.DOTALL)
+    receiver, own = found.groups() if found else ("", name)
+    return ": ".join(filter(None, (receiver, *figure_words(own))))
 
 
 def figure_text(name: str, figure: Mapping[str, Any]) -> str:

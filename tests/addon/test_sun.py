@@ -433,6 +433,24 @@ def test_daylight_has_its_maps_and_figures(ground):
     assert 0.9 * there.min() <= float(value.replace("\u2009", "")) <= 1.1 * there.max()
 
 
+def test_a_receiver_shows_its_own_figures():
+    from heliform.panels.sun import own_figures
+
+    one = {"sda_300_50": 1, "sda_62.5_50": 2}
+    assert own_figures(one, "Desk", ["Desk"]) == one
+    several = {"Desk.ase": 1, "Desk.001.ase": 2, "Roof.ase": 3, "Desk.sda_62.5_50": 4}
+    names = ["Desk", "Desk.001", "Roof"]
+    assert own_figures(several, "Desk", names) == {"ase": 1, "sda_62.5_50": 4}
+    assert own_figures(several, "Desk.001", names) == {"ase": 2}
+    assert own_figures(several, "Renamed", names) == {}
+    assert own_figures(several, "Desk.001", ["Desk.001"]) == {"ase": 2}
+
+
+def test_a_receiver_that_is_renamed_keeps_its_name_in_the_study(study):
+    study.name = "Another"
+    assert sun.name_in_study(study) == "Receiver"
+
+
 def test_what_is_asked_names_the_weather_by_its_whole_path(ground, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
     bpy.context.scene.heliform.radiation.weather_file = "//here.epw"

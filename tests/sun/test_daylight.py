@@ -7,16 +7,17 @@ import pytest
 from heliform.engines.core.errors import ParameterError, SceneError
 from heliform.engines.core.parameters import from_table, to_table
 from heliform.engines.core.scene import Material, Receiver, Scene
-from heliform.engines.sun.bounces import Dome, Surroundings
 from heliform.engines.sun.clear_sky import clear_weather
 from heliform.engines.sun.coefficients import Sought, daylight_coefficients
 from heliform.engines.sun.daylight import Daylight, WorkingHours, illuminance_at, study_daylight
+from heliform.engines.sun.dome import Dome
 from heliform.engines.sun.hourly import hourly_skies
 from heliform.engines.sun.illuminance import course_of
 from heliform.engines.sun.maps import QUANTITIES, SunMaps
 from heliform.engines.sun.occlusion import Occluders
 from heliform.engines.sun.sensors import at_points, of_receiver
 from heliform.engines.sun.site import Site
+from heliform.engines.sun.surroundings import Surroundings
 from sun.rooms import BOSTON, even, matte
 from sun.shades import box, level
 from sun.weather_files import cloudy, write_epw
@@ -107,15 +108,17 @@ def test_sun_that_a_floor_reflects_is_the_floor_s_share_of_all():
     course = course_of(weather, site, dome, mask, accuracy=0.0, ground_reflectance=0.2)
     floor = (level("floor", 200, 200, 0.0, matte(0.4)),)
     sensors = at_points([[0, 0, 1.0]], [[0, 0, -1.0]])
-    sought = Sought(even(dome), 1e-9, 1 << 17)
+    every = np.ones(course.direct.shape, bool)
+    sought = Sought(even(dome), 1e-9, 1 << 15, course.aims(course.direct, every))
     found = daylight_coefficients(Surroundings(floor), sensors, dome, 1, sought)
     direct = course.sunlight(Occluders(floor), sensors)
     light = course.light(found, direct)[0]
     hourly = hourly_skies(weather, site, "light", mask)
     falling = hourly.diffuse + hourly.direct * hourly.sun[:, 2]
     assert not direct.any()
-    assert light == pytest.approx(0.4 * falling, rel=0.06)
-    assert light.sum() == pytest.approx(0.4 * falling.sum(), rel=0.015)
+    # The sun is found exactly, as all paths scatter where it shines; the sky by chance.
+    assert light == pytest.approx(0.4 * falling, rel=0.02)
+    assert light.sum() == pytest.approx(0.4 * falling.sum(), rel=0.002)
 
 
 def test_a_receiver_that_reflects_is_a_floor_and_one_that_does_not_is_a_mere_plane():
@@ -254,8 +257,14 @@ def test_nothing_to_measure_is_refused():
 
 
 def test_a_day_that_there_is_not_is_refused():
+    reached = []
+    record = dataclasses.replace(
+        QUICK, period=WorkingHours(), exposure_month=2, exposure_day=31, accuracy=20.0
+    )
+    scene = Scene(room(), (), (plane(),))
     with pytest.raises(ParameterError, match="no day 31"):
-        study(period=WorkingHours(), exposure_month=2, exposure_day=31)
+        study_daylight(scene, record, progress=lambda share, text: reached.append(share))
+    assert reached == [0.0]  # before anything is traced
 
 
 def test_the_record_is_written_and_read_with_its_working_hours():

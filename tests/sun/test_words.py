@@ -18,7 +18,7 @@ from heliform.engines.sun.words import (
     ("name", "words"),
     [
         ("mean_total", ("", "Irradiation")),
-        ("Floor A.max_shading", ("Floor A", "Shading, greatest")),
+        ("max_shading", ("", "Shading, greatest")),
         ("sda_300_50_without_blinds", ("LM-83", "sDA 300/50, no blinds")),
         ("en17037_target_300", ("EN 17037", "Target 300 lx")),
         ("en17037_sunlight_level", ("EN 17037", "Sunlight level")),
@@ -31,17 +31,22 @@ def test_a_figure_has_its_words(name, words):
     assert figure_title(name) == ": ".join(filter(None, words))
 
 
+def test_a_receivers_figure_has_its_name_before():
+    assert figure_title("Floor.001.mean_total") == "Floor.001: Irradiation"
+    assert figure_title("sda_333.5_50") == "LM-83: sDA 333.5/50"
+
+
 @pytest.mark.parametrize(
     ("value", "text"),
     [
         (0.0, "0"),
         (0.179, "0.179"),
-        (0.0000123, "0.00001"),
+        (0.0000123, "0"),
         (117.4, "117"),
         (999.7, "1000"),
         (1652.4, "1652"),
         (51440.0, "51\u2009400"),
-        (-12345.0, "−12\u2009300".replace("−", "-")),
+        (-12345.0, "-12\u2009300"),
         (math.nan, "–"),
     ],
 )
