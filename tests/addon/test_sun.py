@@ -19,7 +19,7 @@ from heliform.engines.sun.periods import Period
 from heliform.engines.sun.position import sun_position
 from heliform.engines.sun.site import Site
 from heliform.engines.sun.times import moment
-from heliform.engines.sun.words import matters
+from heliform.engines.sun.words import figure_text, matters
 from heliform.operators.sun import receiver_along
 from mathutils import Matrix, Vector
 
@@ -215,6 +215,20 @@ def test_a_new_study_drops_the_sensors_mark_and_the_maps_of_others(study):
     study.hide_set(False)
     assert bpy.ops.heliform.study_sun() == {"FINISHED"}
     assert layers.layer_of(study).marks == []
+
+
+def test_a_night_has_no_number_for_what_is_not_known(ground):
+    scene = bpy.context.scene
+    period = scene.heliform.radiation.period
+    period.first_hour, period.last_hour = 22.0, 4.0
+    assert bpy.ops.heliform.study_sun() == {"FINISHED"}
+    assert np.isnan(sun.mean_on(ground, "shading"))
+    assert figure_text("shading", {"value": sun.mean_on(ground, "shading"), "unit": "%"}) == "–"
+    for name in sun.offered_maps(scene):
+        scene.heliform.sun_map = name
+        assert not any("nan" in line for line in layers.layer_of(ground).footing)
+    report = Path(sun.facts_of(scene)["folder"], "report.html").read_text(encoding="utf-8")
+    assert ">nan" not in report.partition("<h2>Figures")[2]
 
 
 def test_hidden_bodies_are_said(ground):
