@@ -10,7 +10,7 @@ from mathutils import Vector
 
 from ..engines.core.errors import HeliformError
 from ..engines.core.parameters import from_table, to_table
-from ..engines.sun.clear_sky import MONTHLY_TURBIDITY, ineichen_perez
+from ..engines.sun.clear_sky import ineichen_perez, monthly_turbidity
 from ..engines.sun.extraterrestrial import extraterrestrial
 from ..engines.sun.position import sun_position
 from ..engines.sun.read_weather import read_weather
@@ -39,10 +39,15 @@ class SunNow:
 
 
 def site_of(scene: bpy.types.Scene) -> Site:
-    """Where the scene stands: where its weather file is of, else where it is set; north is set."""
+    """Where the scene stands: where its weather file is of, else where it is set.
+
+    North and turbidity are always as they are set.
+    """
     own = read(scene.heliform.radiation.site, Site, scale_of(scene))
     there = _taken(scene)["site"]
-    return replace(from_table(Site, there, "site"), north=own.north) if there else own
+    if not there:
+        return own
+    return replace(from_table(Site, there, "site"), north=own.north, turbidity=own.turbidity)
 
 
 def take_site(scene: bpy.types.Scene) -> None:
@@ -83,7 +88,7 @@ def sun_now(scene: bpy.types.Scene) -> SunNow:
     _, direct, _ = ineichen_perez(
         sun.apparent_altitude,
         extraterrestrial(times),
-        MONTHLY_TURBIDITY[own.sun_month - 1],
+        monthly_turbidity(site)[own.sun_month - 1],
         site.elevation,
     )
     up = sun.apparent_altitude[0] > 0

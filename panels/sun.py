@@ -172,8 +172,9 @@ class HELIFORM_PT_sun_site(_Part, Panel):
             draw_row(column, "Elevation", f"{site.elevation:g} m")
             draw_row(column, "UTC offset", f"{site.utc_offset:g} h")
         else:
-            draw(column, radiation.site, Site, {"north", "utc_offset"})
+            draw(column, radiation.site, Site, {"north", "utc_offset", "turbidity"})
             column.prop(radiation.site, "utc_offset", text="UTC Offset")
+            column.prop(radiation.site, "turbidity")
         layout.prop(radiation.site, "north")
 
 

@@ -198,11 +198,13 @@ def _start(around: Surroundings, sensors: Sensors, strata: int) -> Start:
 def _error(mean: Vector, variance: Vector, each: Vector, rounds: int) -> Vector:
     """The standard error (N, K) of means with this ``variance``, of paths that find up to ``each``.
 
-    What is found seldom scatters more than it shows: one path more is reckoned with. Where none
-    has found anything, less than 3 would in as many again, at 95 % [Hanley & Lippman-Hand 1983].
+    What few paths find scatters more than they show: four more are reckoned with [Agresti & Coull
+    1998], as many having found it as its relative error tells. Where none has, less than 3 would
+    in as many again, at 95 % [Hanley & Lippman-Hand 1983].
     """
-    error = np.sqrt(variance + each**2)
-    return np.where(mean > 0, error, 3 * each / float(stdtrit(rounds - 1, 0.975)))
+    share = np.divide(variance, mean**2, out=np.zeros_like(mean), where=mean > 0)
+    none = 3 * each / float(stdtrit(rounds - 1, 0.975))
+    return np.where(mean > 0, np.sqrt(variance * (1 + 4 * share)), none)
 
 
 def _needed(first: Vector, square: Vector, rounds: int, sought: Sought, strata: int) -> int:

@@ -18,12 +18,13 @@ from .illuminance import Course, course_of
 from .interior import Interior
 from .maps import SunMap, SunMaps, quantities_of
 from .metrics import Light
-from .periods import Period, period_text, selected
+from .periods import Period, period_text, season_notes, selected
 from .position import sun_position
 from .radiation import areas_of, looking_down, sensors_in
 from .rooms import mean_course, nearest, rooms_of, told_of, years_of
 from .sensors import Sensors
 from .site import Site
+from .sky_matrix import require_size
 from .summing import Year
 from .weather import Weather
 from .weights import weather_of
@@ -100,7 +101,8 @@ def study_daylight(
     years = years_of(rooms, course, counted, record, seed, part(progress, 0.05, 1.0))
     maps = _maps(scene, parts, years)
     figures, said = daylight_figures(maps, rooms, course, years, record)
-    notes = [*course.notes, *told_of(scene, rooms, years), *_notes(scene, record, rooms), *said]
+    notes = [*course.notes, *season_notes(record.period, course.dome.site)]
+    notes += [*told_of(scene, rooms, years), *_notes(scene, record, rooms), *said]
     meta: dict[str, Any] = {
         "kind": "daylight",
         "parameters": to_table(record),
@@ -151,10 +153,12 @@ def light_of(record: Daylight) -> tuple[Course, NDArray[np.bool_], str]:
     weather, site = weather_of(record.site, record.weather_file)
     counted = selected(weather, record.period, site)
     mask = counted | _up(weather, site) if record.period.span == "year" else counted
+    dome = Dome(record.subdivision, site)
+    require_size(dome.count, int(np.count_nonzero(mask)))
     course = course_of(
         weather,
         site,
-        Dome(record.subdivision, site),
+        dome,
         mask,
         accuracy=record.accuracy,
         ground_reflectance=record.ground_reflectance,

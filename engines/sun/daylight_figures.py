@@ -15,6 +15,7 @@ from .summing import Year
 from .times import moment
 
 _WORKING = (8.0, 18.0)
+_TRIFLE = 0.005  # of the light
 _WHOLE = 360
 """Days of weather from which on they are a year's."""
 
@@ -86,6 +87,7 @@ def daylight_figures(
 
         for name, error in year.errors.items():
             put(f"error_{name}", 100 * error, "%")
+        put("given_up", 100 * year.given_up, "%")
         notes.append(_said(year, f" on “{one.receiver}”" if prefix else ""))
         if annual:
             _autonomy(put, room, course, year, asked)
@@ -160,11 +162,19 @@ def _exposure(put: Put, name: str, room: Interior, course: Course, asked: Asked)
 
 
 def _said(year: Year, where: str) -> str:
-    error = year.errors
+    error, paths = year.errors, f"From up to {year.paths:,} paths a sensor"
+    if not error["illuminance"]:
+        return f"{paths} none{where} has found light; what little there may be is not told from 0."
     text = (
-        f"From up to {year.paths:,} paths a sensor the mean illuminance{where} is good to "
-        f"{100 * error['illuminance']:.2g} %, the daylight factor to "
-        f"{100 * error['daylight_factor']:.2g} %"
+        f"{paths} the mean illuminance{where} is good to {100 * error['illuminance']:.2g} %, the "
+        f"daylight factor to {100 * error['daylight_factor']:.2g} %"
     )
     hour = f", a single hour to {100 * error['hour']:.2g} %" if "hour" in error else ""
-    return f"{text}{hour} (95 %, root mean square over the sensors)."
+    return f"{text}{hour} (95 %, root mean square over the sensors)." + _given_up(year)
+
+
+def _given_up(year: Year) -> str:
+    """What is said where light that is reflected more often than asked is more than a trifle."""
+    if year.given_up < _TRIFLE:
+        return ""
+    return f" Some {100 * year.given_up:.1g} % more would come by more reflections."

@@ -5,6 +5,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from ..core.parameters import from_table
+from .site import Site, place_text
 from .tables import QUANTITIES
 
 LEVELS = ("none", "minimum", "medium", "high")
@@ -81,22 +83,16 @@ def facts_of(meta: Mapping[str, Any]) -> dict[str, str]:
 
     ``meta`` is that of `maps.SunMaps`, whose site, source and period these are.
     """
-    site = meta["site"]
-    north = site["north"] % 360
-    turned = f"{north:g}°, clockwise from north" if north else "north"
+    site = from_table(Site, meta["site"], "site")
+    north = site.north % 360
     return {
-        "Place": place_text(site["latitude"], site["longitude"]),
-        "Elevation": f"{site['elevation']:g} m",
-        "Clock": _clock(site["utc_offset"]),
-        "+Y axis": turned,
+        "Place": place_text(site),
+        "Elevation": f"{site.elevation:g} m",
+        "Clock": _clock(site.utc_offset),
+        "+Y axis": f"{north:g}°, clockwise from north" if north else "north",
         "Weather": meta["source"],
         "Period": meta["period"],
     }
-
-
-def place_text(latitude: float, longitude: float) -> str:
-    """Degrees north and east as “33.95° S, 151.18° E”."""
-    return f"{abs(latitude):.2f}° {'NS'[latitude < 0]}, {abs(longitude):.2f}° {'EW'[longitude < 0]}"
 
 
 def _clock(offset: float) -> str:

@@ -390,12 +390,13 @@ def test_a_weather_file_brings_its_place(scene, tmp_path, monkeypatch):
     weather = clear_weather(there)
     monkeypatch.setattr(sun_place, "read_weather", lambda path: weather)
     scene.heliform.radiation.site.north = np.radians(20.0)
+    scene.heliform.radiation.site.turbidity = 3.5
     scene.heliform.radiation.weather_file = "//Sydney.epw"
     site = sun_place.site_of(scene)
-    assert site == replace(there, north=20.0)
+    assert site == replace(there, north=20.0, turbidity=3.5)
     assert sun_said.asked(scene, Radiation).site == site
     scene.heliform.radiation.weather_file = ""
-    assert sun_place.site_of(scene) == Site(north=20.0)
+    assert sun_place.site_of(scene) == Site(north=20.0, turbidity=3.5)
 
 
 def test_the_path_is_drawn_where_the_sun_goes(scene):

@@ -7,6 +7,7 @@ import pytest
 from heliform.engines.core.errors import ParameterError, SceneError
 from heliform.engines.core.parameters import from_table, to_table
 from heliform.engines.core.scene import Material, Receiver, Scene
+from heliform.engines.sun import daylight
 from heliform.engines.sun.clear_sky import clear_weather
 from heliform.engines.sun.coefficients import Sought, daylight_coefficients
 from heliform.engines.sun.daylight import Daylight, WorkingHours, illuminance_at, study_daylight
@@ -18,6 +19,7 @@ from heliform.engines.sun.occlusion import Occluders
 from heliform.engines.sun.sensors import at_points, of_receiver
 from heliform.engines.sun.site import Site
 from heliform.engines.sun.surroundings import Surroundings
+from heliform.engines.sun.weather import Weather
 from sun.rooms import BOSTON, even, matte
 from sun.shades import box, level
 from sun.weather_files import cloudy, write_epw
@@ -64,6 +66,23 @@ def test_outdoors_the_daylight_factor_is_100_and_nothing_is_lost():
     assert found["illuminance"] == pytest.approx(found["open_illuminance"], rel=0.004)
     assert found["daylight_autonomy"] == pytest.approx(100)
     assert found["udi_low"] == pytest.approx(0)
+
+
+def test_minutes_under_a_fine_sky_are_refused_before_they_fill_the_memory(monkeypatch):
+    times = np.datetime64("2019-01-01", "s") + np.arange(525600) * np.timedelta64(60, "s")
+    none = np.zeros(len(times))
+    minutes = Weather(BOSTON, 2019, times, none + 1 / 60, *[none] * 6, source="a test's")
+    monkeypatch.setattr(daylight, "weather_of", lambda *_: (minutes, BOSTON))
+    whole = WorkingHours(span="dates", first_hour=0.0, last_hour=24.0)
+    with pytest.raises(ParameterError, match="in 525,600 intervals is too large for memory"):
+        study(subdivision=4, period=whole)
+
+
+def test_seasons_by_boston_s_dates_are_said_elsewhere():
+    quiet = {"bounces": 0, "paths": 2048, "open": False}
+    winter = WorkingHours(span="heating season", first_hour=11.5, last_hour=12.5)
+    notes = study(site=Site(latitude=60.2), period=winter, **quiet).meta["notes"]
+    assert any("parted on Boston's dates" in note for note in notes)
 
 
 def test_outdoors_the_mean_illuminance_is_the_weather_s(weather):
@@ -210,6 +229,15 @@ def test_the_error_that_is_told_is_the_one_between_two_runs():
     assert told < 0.025
     real = np.sqrt(np.mean((means[0] - means[1]) ** 2) / 2) / np.mean(means)
     assert 1.96 * real == pytest.approx(told, rel=0.35)
+
+
+def test_what_more_reflections_would_add_is_told_within_a_factor_of_two():
+    few, many = (study(room(), period=MARCH, bounces=n, error=0.01) for n in (2, 16))
+    means = [r.maps[0].mean("illuminance") for r in (few, many)]
+    told = few.figures()["given_up"]["value"] / 100
+    assert 0.5 < told / (means[1] / means[0] - 1) < 2
+    assert any("would come by more reflections" in note for note in few.meta["notes"])
+    assert many.figures()["given_up"]["value"] < 0.5
 
 
 def test_the_same_seed_gives_the_same_maps():
