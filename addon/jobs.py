@@ -66,6 +66,7 @@ class _Task:
     objects: dict[str, int]
     settings: tuple[str, ...]
     notes: tuple[str, ...]
+    remarks: tuple[str, ...]
     job: Job | None = None
     forgotten: bool = False
 
@@ -186,6 +187,7 @@ def _prepare(
         objects={name: obj.session_uid for name, obj in given.objects.items()},
         settings=tuple(settings),
         notes=given.notes,
+        remarks=given.remarks,
     )
 
 
@@ -196,9 +198,9 @@ def export(
 
     Raises FileError.
     """
-    title = Path(bpy.data.filepath).stem or scene.name
+    title = Path(bpy.data.filepath).stem or given.name
     settings = scene.heliform
-    display = read(settings.display, Display)
+    display = given.display or read(settings.display, Display)
     return save_study(
         folder, title, given.scene, analysis, given.parameters, settings.seed, display, carry
     )
@@ -302,12 +304,13 @@ def _conclude(task: _Task, ended: Ended) -> bool:
     out = result_of(ended)
     result = task.analysis.shows.load(out)
     scene = _by_uid(bpy.data.scenes, task.scene)
-    found = {name: _by_uid(bpy.data.objects, uid) for name, uid in task.objects.items()}
+    there = scene.objects if scene else ()  # undo holds on to objects that are in no scene
+    found = {name: _by_uid(there, uid) for name, uid in task.objects.items()}
     objects = {name: obj for name, obj in found.items() if obj}
     if scene is None or (found and not objects):
         raise SceneError(f"{_gone(task, found)}; the result lies in “{out}”.")
     lost = (f"{_gone(task, found)}.",) if len(objects) < len(found) else ()
-    return task.staging.stage(scene, objects, result, out, task.notes + lost)
+    return task.staging.stage(scene, objects, result, out, task.notes + task.remarks + lost)
 
 
 def _gone(task: _Task, found: dict[str, bpy.types.Object | None]) -> str:

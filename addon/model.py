@@ -24,7 +24,7 @@ from ..engines.structure.joints import Joint
 from ..engines.structure.structure import Structure
 from ..engines.sun import QUANTITIES, Daylight, Radiation
 from . import live_sun, printing, structures, sun_place
-from .bridge import layers, members, scan, sun
+from .bridge import layers, members, scan, sun, sun_inside
 from .bridge.lights import BlenderLight
 from .bridge.walls import WALL
 from .objects import rebuild
@@ -80,6 +80,15 @@ def _resun(group: Any, context: bpy.types.Context) -> None:
     sun_place.take_site(group.id_data)
     sun_place.place_lamp(context)
     live_sun.changed(group.id_data)
+    sun.recheck(group.id_data)
+
+
+def _redaylight(group: Any, context: bpy.types.Context) -> None:
+    sun.recheck(group.id_data)
+
+
+def _see_inside(group: Any, context: bpy.types.Context) -> None:
+    sun_inside.follow(group.id_data)
 
 
 def _move_sun(group: Any, context: bpy.types.Context) -> None:
@@ -121,12 +130,13 @@ def _is_mesh(group: Any, obj: bpy.types.Object) -> bool:
 _SHAPE, _WALL, _LAMP, _PLANE = (
     group_for(record, _rebuild) for record in (GlassObject, Wall, Lamp, Plane)
 )
-_MATERIAL, _TRACING, _DISPLAY, _READING, _COMPARISON, _DAYLIGHT = map(
-    group_for, (Material, PhotonTracing, Display, ScanReading, Comparison, Daylight)
+_MATERIAL, _TRACING, _DISPLAY, _READING, _COMPARISON = map(
+    group_for, (Material, PhotonTracing, Display, ScanReading, Comparison)
 )
 _LIGHT = group_for(BlenderLight)
 _STRUCTURE = group_for(Structure, _restructure)
 _RADIATION, _SUN_DISPLAY = group_for(Radiation, _resun), group_for(Display, _repaint_sun)
+_DAYLIGHT = group_for(Daylight, _redaylight)
 _SPIRAL = group_for(Spiral, _reprint)
 
 
@@ -267,6 +277,11 @@ class HELIFORM_PG_scene(bpy.types.PropertyGroup):
         update=_repaint_sun,
     )
     sun_display: PointerProperty(type=_SUN_DISPLAY)
+    see_inside: BoolProperty(
+        name="See Inside",
+        description="Draw bodies as their edges, to see maps within closed ones",
+        update=_see_inside,
+    )
     sun_path: BoolProperty(
         name="Sun Path", description="Draw the sun's path over the year around the scene"
     )

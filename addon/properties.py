@@ -27,7 +27,7 @@ from ..engines.core.parameters import Field, bounds_text, canonical, fields_of
 
 Update = Callable[[Any, bpy.types.Context], None]
 
-_ACRONYMS = {"ies": "IES", "ior": "IOR", "led": "LED"}
+_ACRONYMS = {"ies": "IES", "ior": "IOR", "led": "LED", "utc_offset": "UTC Offset"}
 _quiet = 0
 
 
@@ -130,7 +130,8 @@ def _number(field: Field) -> dict[str, Any]:
             bounds = _bounds(field, "min", "max")
             radians = {key: math.radians(value) for key, value in bounds.items()}
             default = math.radians(field.default)
-            return {"subtype": "ANGLE", "unit": "ROTATION", "default": default, **radians}
+            angle = {"subtype": "ANGLE", "unit": "ROTATION", "precision": 4}
+            return angle | {"default": default, **radians}
         case "s":
             timed = {"subtype": "TIME_ABSOLUTE", "unit": "TIME_ABSOLUTE"}
             return timed | _bounds(field, "min", "max")

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import bpy
 
 from ..engines.core.analysis import Analysis
+from ..engines.core.colour import Display
 from ..engines.core.scene import Scene
 
 Objects = Mapping[str, bpy.types.Object]
@@ -19,7 +20,8 @@ class Gathered:
 
     ``objects`` are those that the result belongs to, by the names that they have in the study;
     where there are some, the result needs one of them to be there still. ``notes`` say what was
-    done to gather them, which is an undo step of its own.
+    done to gather them, which is an undo step of its own, ``remarks`` what a reader must know of
+    what was taken. ``display`` is how its pictures are coloured, as the scene's results where None.
     """
 
     name: str
@@ -27,6 +29,8 @@ class Gathered:
     parameters: Any
     objects: Objects = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+    display: Display | None = None
 
 
 class Stage(Protocol):

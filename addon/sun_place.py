@@ -2,12 +2,14 @@
 
 import json
 from dataclasses import dataclass, replace
+from typing import Any
 
 import bpy
 import numpy as np
 from mathutils import Vector
 
 from ..engines.core.errors import HeliformError
+from ..engines.core.parameters import from_table, to_table
 from ..engines.sun.clear_sky import ineichen_perez, monthly_turbidity
 from ..engines.sun.extraterrestrial import extraterrestrial
 from ..engines.sun.position import sun_position
@@ -15,7 +17,7 @@ from ..engines.sun.read_weather import read_weather
 from ..engines.sun.site import Site, to_model
 from ..engines.sun.times import moment
 from .bridge.read import objects_of
-from .properties import read, scale_of, write
+from .properties import read, scale_of
 
 YEAR = 2019
 """The year that a date without one is taken of."""
@@ -37,34 +39,45 @@ class SunNow:
 
 
 def site_of(scene: bpy.types.Scene) -> Site:
-    """Where the scene stands."""
-    return read(scene.heliform.radiation.site, Site, scale_of(scene))
+    """Where the scene stands: where its weather file is of, else where it is set.
+
+    North and turbidity are always as they are set.
+    """
+    own = read(scene.heliform.radiation.site, Site, scale_of(scene))
+    there = _taken(scene)["site"]
+    if not there:
+        return own
+    return replace(from_table(Site, there, "site"), north=own.north, turbidity=own.turbidity)
 
 
 def take_site(scene: bpy.types.Scene) -> None:
-    """Where another weather file was chosen, take the place that it is of; north and air stay.
+    """Where another weather file was chosen, learn which place it is of; the scene's own stays.
 
     What is wrong with the file is kept for `weather_problem`.
     """
     chosen = scene.heliform.radiation.weather_file
-    if chosen == json.loads(scene.get(_TAKEN, '["", ""]'))[0]:
+    if chosen == _taken(scene)["file"]:
         return
-    problem = ""
+    problem, site = "", {}
     try:
         if chosen:
-            there = read_weather(bpy.path.abspath(chosen)).site
-            ours = site_of(scene)
-            site = replace(there, north=ours.north, turbidity=ours.turbidity)
-            write(scene.heliform.radiation.site, site, scale_of(scene))
+            site = to_table(read_weather(bpy.path.abspath(chosen)).site)
     except HeliformError as error:
         problem = str(error)
-    scene[_TAKEN] = json.dumps([chosen, problem])
+    scene[_TAKEN] = json.dumps({"file": chosen, "problem": problem, "site": site})
 
 
 def weather_problem(scene: bpy.types.Scene) -> str:
     """Why the chosen weather file cannot be used, or an empty text."""
-    chosen, problem = json.loads(scene.get(_TAKEN, '["", ""]'))
-    return problem if chosen == scene.heliform.radiation.weather_file else ""
+    return _taken(scene)["problem"]
+
+
+def _taken(scene: bpy.types.Scene) -> dict[str, Any]:
+    """What is known of the weather file that is chosen."""
+    nothing = {"file": "", "problem": "", "site": {}}
+    known = json.loads(scene.get(_TAKEN, "{}"))
+    ours = isinstance(known, dict) and known.get("file") == scene.heliform.radiation.weather_file
+    return known if ours else nothing
 
 
 def sun_now(scene: bpy.types.Scene) -> SunNow:

@@ -19,6 +19,9 @@ from . import FileWriting, ObjectMode, Reporting, in_object_mode
 from .run import RunAnalysis, open_report
 from .structure import view_under
 
+_DEEP = 1000  # surfaces that a click passes at most
+_BEHIND = 1e-5  # of the distance: how far behind a surface the way goes on
+
 
 class HELIFORM_OT_study_sun(RunAnalysis, Operator):
     """Sun hours and irradiation on the receivers over the period, from sun and sky"""
@@ -60,6 +63,9 @@ class HELIFORM_OT_sun_sensor(RunAnalysis, Operator):
             return {"PASS_THROUGH"}
         found = _receiver_under(context, *under)
         if found is None:
+            context.workspace.status_text_set(
+                "There is no receiver there; click one, or leave with Esc or right click"
+            )
             return {"RUNNING_MODAL"}
         self._leave(context)
         self._aim(context, *found)
@@ -127,10 +133,15 @@ class _OnStudy(Reporting):
         return sun.facts_of(context.scene) is not None
 
     def folder(self, context: Context) -> Path:
-        """Where its files are. Raises FileError where it has none."""
+        """Where its files are, or those of the study before Live Sun, which is said then.
+
+        Raises FileError where it has none.
+        """
         facts = sun.facts_of(context.scene)
         if not facts or not facts["folder"]:
             raise FileError("Live Sun writes no files; press Study Sun.")
+        if facts.get("live"):
+            self.report({"INFO"}, "This is of the last finished study; Live Sun writes no files.")
         return Path(facts["folder"])
 
 
@@ -206,6 +217,7 @@ class HELIFORM_OT_clear_sun(_OnStudy, Operator):
     def act(self, context: Context) -> None:
         """Clear it, and switch Live Sun off."""
         context.scene.heliform.live_sun = False
+        context.scene.heliform.see_inside = False
         sun.clear(context.scene)
         layers.restore_views(context)
 
@@ -222,19 +234,32 @@ def _middle(obj: Object) -> tuple[Vector, Vector]:
 def _receiver_under(
     context: Context, area: bpy.types.Area, place: tuple[int, int]
 ) -> tuple[Object, Vector, Vector] | None:
-    """The receiver at a place of a view where it is foremost, where on it, and its normal there."""
+    """The foremost receiver at a place of a view, where on it, and its normal there."""
     region = next(r for r in area.regions if r.type == "WINDOW")
     view = area.spaces.active.region_3d
     origin = view3d_utils.region_2d_to_origin_3d(region, view, place)
-    along = view3d_utils.region_2d_to_vector_3d(region, view, place)
-    hit, where, normal, _, found, _ = context.scene.ray_cast(
-        context.evaluated_depsgraph_get(), origin, along
-    )
-    if not hit or found.original.heliform.role != "RECEIVER":
-        return None
-    if found.original.heliform.plane.sides == "both" and normal.dot(along) > 0:
-        normal = -normal
-    return found.original, where, normal
+    return receiver_along(context, origin, view3d_utils.region_2d_to_vector_3d(region, view, place))
+
+
+def receiver_along(
+    context: Context, origin: Vector, along: Vector
+) -> tuple[Object, Vector, Vector] | None:
+    """The first receiver that a ray meets behind whatever else, where on it, and its normal there.
+
+    ``along`` is a unit vector; all is in the world.
+    """
+    receivers = objects_of(context.view_layer, "RECEIVER")
+    depsgraph = context.evaluated_depsgraph_get()
+    for _ in range(_DEEP):
+        hit, where, normal, _, found, _ = context.scene.ray_cast(depsgraph, origin, along)
+        if not hit:
+            return None
+        if found.original in receivers:
+            if found.original.heliform.plane.sides == "both" and normal.dot(along) > 0:
+                normal = -normal
+            return found.original, where, normal
+        origin = where + _BEHIND * max(where.length, (where - origin).length, 1.0) * along
+    return None
 
 
 register, unregister = bpy.utils.register_classes_factory(

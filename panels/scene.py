@@ -283,13 +283,13 @@ def draw_row(layout: UILayout, label: str, value: str) -> None:
     split.label(text=value)
 
 
-def draw_notes(layout: UILayout, notes: list[str], width: int = 34) -> None:
+def draw_notes(layout: UILayout, notes: list[str], width: int = 34, icon: str = "INFO") -> None:
     """What a reader should know, in lines of ``width`` letters."""
     column = layout.column(align=True)
     column.scale_y = 0.8
     for note in notes:
         for index, line in enumerate(textwrap.wrap(note, width)):
-            column.label(text=line, icon="INFO" if index == 0 else "BLANK1")
+            column.label(text=line, icon=icon if index == 0 else "BLANK1")
 
 
 def draw_progress(layout: UILayout) -> None:

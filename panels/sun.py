@@ -1,6 +1,7 @@
 """The Sun room: where and when, the studies, what came out, and the sun itself."""
 
-import re
+import calendar
+import textwrap
 from typing import Any
 
 import bpy
@@ -14,20 +15,21 @@ from ..engines.core.colour import Display
 from ..engines.core.errors import HeliformError
 from ..engines.sun import SUN_DAYLIGHT, SUN_RADIATION, Daylight, Radiation
 from ..engines.sun.site import Site
+from ..engines.sun.words import figure_text, figure_words, matters
 from . import Room
 from .scene import draw_notes, draw_progress, draw_row, draw_sentence, prepare
 
 _JOBS = ("Study Sun", "Study Daylight", "Pick Sensor")
-_OF_SPAN = {
-    "months": ("first_month", "last_month"),
-    "dates": ("first_day", "first_month", "last_day", "last_month"),
-}
 _OF_MAPS = {"mean", "min", "max", "sum"}
 """How figures of maps begin; the panel has the means of the receiver that is shown."""
-_WORDS = {"sda": "sDA", "ase": "ASE", "en17037": "EN 17037"}
-_SHARED = {"site", "weather_file", "period"}
-"""What the panel shows above, or in panels of its own."""
-_HOURS = ("first_hour", "last_hour")
+_SHORT = {"open": "Without buildings", "open_illuminance": "Without buildings"}
+"""Titles that are longer than the sidebar is wide."""
+_SHARED = {"site", "weather_file", "period", "open"}
+"""What the panel shows above, in panels of its own, or by other words."""
+_TOLD = {"target", "blinds", "blinds_transmittance"}
+"""What of a study of daylight is beside its button."""
+_LABELS = 0.6  # of the width of a row of figures
+_LINE = 24  # letters of a long value
 
 
 class HELIFORM_PT_sun(Room, Panel):
@@ -52,7 +54,10 @@ class HELIFORM_PT_sun(Room, Panel):
             row.operator("heliform.study_sun", icon="LIGHT_SUN")
         row = layout.row(align=True)
         row.use_property_split = False
-        row.prop(own, "live_sun", toggle=True, icon="REC")
+        facts = sun.facts_of(context.scene)
+        light = facts is not None and facts["kind"] == "daylight"
+        live = "Live Irradiation" if light else "Live Sun"
+        row.prop(own, "live_sun", text=live, toggle=True, icon="REC")
         row.prop(own, "live_texels", text="Texels")
         if own.live_sun and live_sun.state.rate:
             layout.label(text=f"{live_sun.state.rate:.1f} a second", icon="TIME")
@@ -90,6 +95,13 @@ class HELIFORM_PT_sun_result(_Part, Panel):
         draw(layout, own.sun_display, Display, {"log"} | fixed)
         draw_sentence(layout, facts.get("problem", ""))
         layout.prop(own, "legend")
+        layout.prop(own, "see_inside")
+        if facts.get("stale"):
+            draw_sentence(layout, "This is of earlier settings; do the study again.")
+        if facts.get("live") and not own.live_sun:
+            draw_sentence(layout, "This is live and coarse; press Study Sun for all texels.")
+        grave = [note for note in facts["notes"] if matters(note)]
+        draw_notes(layout, grave, icon="ERROR")
         _draw_figures(layout, context, facts)
         row = layout.row(align=True)
         row.operator("heliform.export_sun_hours", icon="EXPORT")
@@ -100,7 +112,7 @@ class HELIFORM_PT_sun_result(_Part, Panel):
         row.operator("heliform.sun_sensor", icon="EYEDROPPER")
         if sun_sensor.picture_of(context.scene):
             row.operator("heliform.show_sun_sensor", text="", icon="WINDOW")
-        draw_notes(layout, facts["notes"])
+        draw_notes(layout, [note for note in facts["notes"] if note not in grave])
 
 
 class HELIFORM_PT_sun_daylight(_Part, Panel):
@@ -110,19 +122,35 @@ class HELIFORM_PT_sun_daylight(_Part, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
-        """Its hours, how far light is followed, what it is held against, and the button."""
+        """Its hours, what it is held against, and the button."""
         layout, daylight = self.layout, context.scene.heliform.daylight
         prepare(layout)
         layout.operator("heliform.add_work_plane", icon="MESH_GRID")
         _draw_period(layout, daylight.period)
-        hidden = set() if daylight.blinds else {"blinds_transmittance"}
-        draw(layout, daylight, Daylight, _SHARED | hidden)
-        if jobs.state.running:
-            draw_progress(layout)
-        else:
-            row = layout.row()
-            row.scale_y = 1.4
-            row.operator("heliform.study_daylight", icon="OUTLINER_OB_LIGHT")
+        layout.prop(daylight, "target")
+        layout.prop(daylight, "blinds")
+        if daylight.blinds:
+            layout.prop(daylight, "blinds_transmittance")
+        row = layout.row()
+        row.scale_y = 1.4
+        row.operator("heliform.study_daylight", icon="OUTLINER_OB_LIGHT")
+
+
+class HELIFORM_PT_sun_daylight_more(Room, Panel):
+    """Rarely needed settings of the study of daylight"""
+
+    bl_label = "Daylight Settings"
+    bl_parent_id = "HELIFORM_PT_sun_daylight"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Context) -> None:
+        """How far light is followed and how well, the day of exposure; and the study as a file."""
+        layout, daylight = self.layout, context.scene.heliform.daylight
+        prepare(layout)
+        draw(layout, daylight, Daylight, _SHARED | _TOLD)
+        layout.prop(daylight, "open", text="Open Field Too")
+        button = layout.operator("heliform.export_study", text="Export Study", icon="EXPORT")
+        button.analysis = SUN_DAYLIGHT.name
 
 
 class HELIFORM_PT_sun_site(_Part, Panel):
@@ -135,11 +163,19 @@ class HELIFORM_PT_sun_site(_Part, Panel):
         """The place; that of a weather file is its own, but for the model's north."""
         layout, radiation = self.layout, context.scene.heliform.radiation
         prepare(layout)
-        if radiation.weather_file:
-            layout.label(text="As the weather file says", icon="INFO")
         column = layout.column()
-        column.enabled = not radiation.weather_file
-        draw(column, radiation.site, Site, {"north"})
+        if radiation.weather_file and not sun_place.weather_problem(context.scene):
+            site = sun_place.site_of(context.scene)
+            column.active = False
+            column.label(text="As the weather file says", icon="INFO")
+            draw_row(column, "Latitude", f"{site.latitude:.2f}°")
+            draw_row(column, "Longitude", f"{site.longitude:.2f}°")
+            draw_row(column, "Elevation", f"{site.elevation:g} m")
+            draw_row(column, "UTC offset", f"{site.utc_offset:g} h")
+        else:
+            draw(column, radiation.site, Site, {"north", "utc_offset", "turbidity"})
+            column.prop(radiation.site, "utc_offset", text="UTC Offset")
+            column.prop(radiation.site, "turbidity")
         layout.prop(radiation.site, "north")
 
 
@@ -156,7 +192,7 @@ class HELIFORM_PT_sun_now(_Part, Panel):
         layout.prop(own, "sun_path", text="Show Path")
         column = layout.column(align=True)
         column.prop(own, "sun_day")
-        column.prop(own, "sun_month")
+        column.prop(own, "sun_month", text=calendar.month_name[own.sun_month])
         column.prop(own, "sun_hour", slider=True)
         try:
             now = sun_place.sun_now(context.scene)
@@ -175,13 +211,13 @@ class HELIFORM_PT_sun_more(_Part, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Context) -> None:
-        """Everything but place, weather and time; and the studies as files that run anywhere."""
-        prepare(self.layout)
-        draw(self.layout, context.scene.heliform.radiation, Radiation, _SHARED)
-        row = self.layout.row(align=True)
-        for analysis, text in ((SUN_RADIATION, "Export Study"), (SUN_DAYLIGHT, "Daylight")):
-            button = row.operator("heliform.export_study", text=text, icon="EXPORT")
-            button.analysis = analysis.name
+        """Everything but place, weather and time; and the study as a file that runs anywhere."""
+        layout, radiation = self.layout, context.scene.heliform.radiation
+        prepare(layout)
+        draw(layout, radiation, Radiation, _SHARED)
+        layout.prop(radiation, "open", text="Open Field Too")
+        button = layout.operator("heliform.export_study", text="Export Study", icon="EXPORT")
+        button.analysis = SUN_RADIATION.name
 
 
 def _draw_period(layout: UILayout, period: Any) -> None:
@@ -191,18 +227,27 @@ def _draw_period(layout: UILayout, period: Any) -> None:
     if period.span.endswith("season"):
         column.prop(period, "seasons", text="Parted by")
     if period.span.endswith("season") and period.seasons == "dates":
-        for name, text in (
-            ("first_day", "Cooling from day"),
-            ("first_month", "month"),
-            ("last_day", "to day"),
-            ("last_month", "month"),
-        ):
-            column.prop(period.cooling, name, text=text)
-    for name in _OF_SPAN.get(period.span, ()):
-        column.prop(period, name)
+        _draw_dates(column, period.cooling, "Cooled from")
+    elif period.span == "dates":
+        _draw_dates(column, period, "From day")
+    elif period.span == "months":
+        column.prop(period, "first_month", text=f"From {_month(period.first_month)}")
+        column.prop(period, "last_month", text=f"to {_month(period.last_month)}")
     column = layout.column(align=True)
-    for name, text in zip(_HOURS, ("Hours from", "to"), strict=True):
-        column.prop(period, name, text=text)
+    column.prop(period, "first_hour", text="From hour")
+    column.prop(period, "last_hour", text="to hour")
+
+
+def _draw_dates(column: UILayout, ends: Any, begin: str) -> None:
+    """The first and the last day, with the names of their months."""
+    column.prop(ends, "first_day", text=begin)
+    column.prop(ends, "first_month", text=_month(ends.first_month))
+    column.prop(ends, "last_day", text="to day")
+    column.prop(ends, "last_month", text=_month(ends.last_month))
+
+
+def _month(number: int) -> str:
+    return calendar.month_name[number]
 
 
 def _draw_figures(layout: UILayout, context: Context, facts: dict[str, Any]) -> None:
@@ -210,16 +255,26 @@ def _draw_figures(layout: UILayout, context: Context, facts: dict[str, Any]) -> 
     receivers = sun.staged_on(context.scene)
     shown = context.object if context.object in receivers else receivers[0]
     box = layout.box().column(align=True)
-    draw_row(box, "Receiver", shown.name)
+    _draw_figure(box, "Mean over", shown.name)
     for name, (title, unit) in facts["quantities"].items():
-        draw_row(box, title, f"{_number(sun.mean_on(shown, name))} {unit}")
+        mean = {"value": sun.mean_on(shown, name), "unit": unit}
+        _draw_figure(box, _SHORT.get(name, title), figure_text(name, mean))
     names = [sun.name_in_study(receiver) for receiver in receivers]
     own = own_figures(facts["figures"], sun.name_in_study(shown), names)
+    groups: dict[str, list[tuple[str, str]]] = {}
     for name, figure in own.items():
         if name.partition("_")[0] not in _OF_MAPS:
-            draw_row(box, _label(name), f"{_number(figure['value'])} {figure['unit']}")
-    draw_row(box, "Period", facts["period"])
-    draw_row(box, "Weather", facts["source"])
+            group, title = figure_words(name)
+            groups.setdefault(group, []).append((title, figure_text(name, figure)))
+    for group, rows in groups.items():
+        box = layout.box().column(align=True)
+        if group:
+            box.label(text=group)
+        for title, text in rows:
+            _draw_figure(box, title, text)
+    box = layout.box().column(align=True)
+    for name, text in {"Period": facts["period"], **facts.get("facts", {})}.items():
+        _draw_fact(box, name, text)
 
 
 def own_figures(figures: dict[str, Any], receiver: str, receivers: list[str]) -> dict[str, Any]:
@@ -233,17 +288,18 @@ def own_figures(figures: dict[str, Any], receiver: str, receivers: list[str]) ->
     return own or (figures if len(receivers) == 1 else {})
 
 
-def _label(name: str) -> str:
-    """“sda_300_50_without_blinds” as “sDA 300/50 without blinds”."""
-    words = [_WORDS.get(word, word) for word in name.split("_")]
-    text = " ".join(words)
-    text = re.sub(r"(?<=[AE] )(\d+) (\d+)", r"\1/\2", text)
-    return text[:1].upper() + text[1:] if not text.startswith("s") else text
+def _draw_figure(layout: UILayout, title: str | None, text: str) -> None:
+    row = layout.split(factor=_LABELS)
+    row.label(text=title)
+    row.label(text=text)
 
 
-def _number(value: float) -> str:
-    """Three digits or more, and no exponent."""
-    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+def _draw_fact(layout: UILayout, name: str, text: str) -> None:
+    """A name and its text beside it, in as many lines as it needs."""
+    for index, line in enumerate(textwrap.wrap(text, _LINE) or [""]):
+        row = layout.split(factor=0.3)
+        row.label(text=name if index == 0 else "")
+        row.label(text=line)
 
 
 register, unregister = bpy.utils.register_classes_factory(
@@ -251,6 +307,7 @@ register, unregister = bpy.utils.register_classes_factory(
         HELIFORM_PT_sun,
         HELIFORM_PT_sun_result,
         HELIFORM_PT_sun_daylight,
+        HELIFORM_PT_sun_daylight_more,
         HELIFORM_PT_sun_site,
         HELIFORM_PT_sun_now,
         HELIFORM_PT_sun_more,

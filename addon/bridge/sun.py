@@ -23,9 +23,11 @@ from ...engines.light.drawing import shown
 from ...engines.sun.drawing import scale_of as colour_scale_of
 from ...engines.sun.maps import SunMap, SunMaps
 from ...engines.sun.radiation import Radiation
+from ...engines.sun.words import number_text
 from ..properties import parameters, read, scale_of, write
 from ..staging import Gathered, Objects, Staging
-from . import layers, results, shading
+from ..sun_place import take_site
+from . import layers, results, shading, sun_inside, sun_said
 from .instances import left_out
 from .read import objects_of, read_bodies, read_receiver
 from .receivers import onto_vertices, unwrap_receivers
@@ -54,9 +56,11 @@ def gather(context: bpy.types.Context, analysis: Analysis) -> Gathered:
     return Gathered(
         name=f"{given.receivers[0].name} sun",
         scene=given,
-        parameters=asked(context.scene, analysis.record),
+        parameters=sun_said.asked(context.scene, analysis.record),
         objects={r.name: context.scene.objects[r.name] for r in given.receivers},
         notes=tuple(notes),
+        remarks=sun_said.hidden_notes(context.view_layer),
+        display=Display(palette=context.scene.heliform.sun_display.palette, log=False),
     )
 
 
@@ -71,16 +75,6 @@ def read_shaded(context: bpy.types.Context) -> Scene:
     return Scene(tuple(read_bodies(depsgraph, scale)), (), tuple(receivers))
 
 
-def asked(scene: bpy.types.Scene, record: type) -> Any:
-    """The scene's record; place and weather are one for all studies of sun and sky.
-
-    The weather file is named by its whole path.
-    """
-    ours = parameters(scene, Radiation)
-    file = ours.weather_file and bpy.path.abspath(ours.weather_file)
-    return replace(parameters(scene, record), site=ours.site, weather_file=file)
-
-
 # What came of it
 
 
@@ -92,8 +86,14 @@ def stage(
     notes: tuple[str, ...] = (),
     footing: str = "",
 ) -> bool:
-    """Put the maps on their receivers. ``footing`` is what the legend says last."""
-    first = not staged_on(scene)
+    """Put the maps on their receivers, and take those of an earlier study off all others.
+
+    ``folder`` is None for an answer that has no files: those of the last study stay known.
+    ``footing`` is what the legend says last.
+    """
+    earlier, chosen = staged_on(scene), scene.heliform.sun_map
+    before = json.loads(scene.get(_FACTS, "{}"))
+    _take_off([obj for obj in earlier if obj not in there.values()])
     for one in result.maps:
         if one.receiver in there:
             _keep(there[one.receiver], one)
@@ -106,15 +106,21 @@ def stage(
             "notes": [*meta["notes"], *notes],
             "source": meta["source"],
             "period": meta["period"],
-            "folder": str(folder or ""),
+            "facts": meta["facts"],
+            "asked": meta["parameters"],
+            "folder": str(folder or before.get("folder", "")),
+            "live": folder is None,
+            "stale": False,
             "footing": footing,
         }
     )
     offered = offered_maps(scene)
-    if scene.heliform.sun_map not in offered:
+    if chosen not in offered:
         scene.heliform.sun_map = next((n for n in _FAVOURITES if n in offered), next(iter(offered)))
+    sun_inside.follow(scene)
+    recheck(scene)
     repaint(scene)
-    return first
+    return not earlier
 
 
 def _stage(
@@ -126,6 +132,8 @@ def _stage(
     notes: tuple[str, ...] = (),
 ) -> bool:
     stage(scene, there, result, folder, notes)
+    if result.meta["kind"] == "daylight":
+        scene.heliform.live_sun = False  # it would take the study's place at the first move
     layers.show_in_views(bpy.context, layers.IN_TEXELS)
     return False
 
@@ -149,6 +157,7 @@ def _keep(obj: bpy.types.Object, one: SunMap) -> None:
         obj, {(k, side) for k in (*kinds, _AREA, results.PICTURE) for side in sides}
     )
     means = {name: one.mean(name) for name in names}
+    obj.pop(_MARKS, None)
     kept = {"receiver": one.receiver, "kinds": kinds, "sides": list(sides), "means": means}
     obj[_MAPS] = json.dumps(kept)
 
@@ -157,6 +166,16 @@ def say(scene: bpy.types.Scene, **facts: Any) -> None:
     """Change what is said of the scene's study, in the legend too."""
     scene[_FACTS] = json.dumps(json.loads(scene[_FACTS]) | facts)
     repaint(scene)
+
+
+def recheck(scene: bpy.types.Scene) -> None:
+    """Have the legend say whether the study is of the settings that there are now."""
+    facts = facts_of(scene)
+    if facts is None or "asked" not in facts or scene.heliform.live_sun:
+        return
+    stale = sun_said.is_stale(scene, facts)
+    if stale != facts["stale"]:
+        say(scene, stale=stale)
 
 
 def staged_on(scene: bpy.types.Scene) -> list[bpy.types.Object]:
@@ -268,8 +287,11 @@ def repaint(scene: bpy.types.Scene) -> None:
     if problem != facts.get("problem", ""):
         scene[_FACTS] = json.dumps(facts | {"problem": problem})
     for obj, one in zip(objects, known.maps, strict=True):
-        mean = f"mean {_round(one.mean(name))} {scale.unit}".strip()
-        _paint(obj, one, name, scale, [mean, *_footing(facts)])
+        mean = one.mean(name)
+        said = [f"mean {number_text(mean)} {scale.unit}".strip()] * bool(np.isfinite(mean))
+        if "asked" in facts:
+            said += sun_said.footing(facts, scene.heliform.live_sun)
+        _paint(obj, one, name, scale, said)
 
 
 def _paint(
@@ -296,27 +318,27 @@ def mark(obj: bpy.types.Object, place: Vector, label: str) -> None:
 
 def clear(scene: bpy.types.Scene) -> None:
     """Take the study off the receivers."""
-    objects = staged_on(scene)
+    _take_off(staged_on(scene))
+    scene.pop(_FACTS, None)
+
+
+def _take_off(objects: list[bpy.types.Object]) -> None:
     layers.clear(objects)
     for obj in objects:
         for key in (_MAPS, _MARKS):
             obj.pop(key, None)
-    scene.pop(_FACTS, None)
-
-
-def _footing(facts: dict[str, Any]) -> list[str]:
-    return [line for line in (facts["period"], facts["footing"]) if line]
-
-
-def _round(value: float) -> str:
-    """Three digits or more, and no exponent."""
-    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
 
 
 def _add(scene: bpy.types.Scene, record: Any) -> None:
-    """Place and weather of a study of daylight are those of the scene."""
-    ours = replace(parameters(scene, Radiation), site=record.site, weather_file=record.weather_file)
+    """Place and weather of a study of daylight are those of the scene.
+
+    The scene's own place stays where the weather brings its own.
+    """
+    ours = parameters(scene, Radiation)
+    kept = replace(ours.site, north=record.site.north) if record.weather_file else record.site
+    ours = replace(ours, site=kept, weather_file=record.weather_file)
     write(scene.heliform.radiation, ours, scale_of(scene))
+    take_site(scene)
 
 
 STAGING = Staging(gather, _stage, _add)

@@ -14,9 +14,10 @@ from ...engines.sun.maps import SunMaps
 from ...engines.sun.occlusion import bodies_of
 from ...engines.sun.rooms import surfaces_of
 from ...engines.sun.temporal import temporal_map, temporal_picture
+from ...engines.sun.words import number_text
 from ..properties import read, scale_of
 from ..staging import Gathered, Objects, Staging
-from . import results, sun
+from . import results, sun, sun_said
 
 _SENSOR = "heliform_sun_sensor"
 _SIZE = 1e-3  # m, the side of what stands for the sensor
@@ -42,8 +43,9 @@ def staging_at(obj: bpy.types.Object, place: Vector, normal: Vector) -> Staging:
         sensor = Receiver(f"{obj.name} sensor", origin, u, v, 1, 1)
         bodies = surfaces_of if analysis is SUN_DAYLIGHT else bodies_of
         scene = Scene(bodies(given), (), (sensor,))
-        record = sun.asked(context.scene, analysis.record)
-        return Gathered(sensor.name, scene, record, {sensor.name: obj})
+        record = sun_said.asked(context.scene, analysis.record)
+        display = Display(palette=context.scene.heliform.sun_display.palette, log=False)
+        return Gathered(sensor.name, scene, record, {sensor.name: obj}, display=display)
 
     def stage(
         scene: bpy.types.Scene,
@@ -73,7 +75,9 @@ def _picture(scene: bpy.types.Scene, name: str, result: SunMaps) -> bpy.types.Im
     display = Display(log=False, palette=read(scene.heliform.sun_display, Display).palette)
     colours = scale_for(values, display, quantity, unit)
     grid = temporal_map(result.times, values, result.meta["site"]["utc_offset"])
-    page = temporal_picture(grid, colours, f"{quantity} on “{name}” in {unit}")
+    said = result.meta["facts"]
+    where = ", ".join(said[fact] for fact in ("Period", "Place", "Weather"))
+    page = temporal_picture(grid, colours, f"{quantity} on “{name}” in {unit}\n{where}")
     pixels = np.asarray(page)[::-1] / np.float32(255)
     rows, columns = pixels.shape[:2]
     image = picture_of(scene)
@@ -90,4 +94,5 @@ def _picture(scene: bpy.types.Scene, name: str, result: SunMaps) -> bpy.types.Im
 def _figure(result: SunMaps) -> str:
     """What the mark says."""
     name = "illuminance" if result.meta["kind"] == "daylight" else "total"
-    return f"{result.maps[0].mean(name):.4g} {result.meta['quantities'][name][1]}"
+    value = number_text(result.maps[0].mean(name))
+    return f"{value} {result.meta['quantities'][name][1]}, {result.meta['period']}"

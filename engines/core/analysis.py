@@ -55,8 +55,8 @@ class Analysis:
     """A name, the record it takes, the function that does it, and the result it gives.
 
     ``shows`` is the result class: it has ``save(folder) -> list[str]``, ``load(folder)``,
-    ``figures()`` and ``meta``. ``draw`` writes a result's pictures and tables into a folder and
-    returns their names.
+    ``figures()`` and ``meta``, whose notes and, where there are any, facts (name → text) the report
+    says. ``draw`` writes a result's pictures and tables into a folder and returns their names.
 
     ``refine`` goes on from the file ``sums`` of a result's folder; None where that cannot be.
     ``unwrap`` gives a receiver's mesh texture coordinates (F, 3, 2) for a map of so many texels a

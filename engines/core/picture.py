@@ -11,6 +11,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
+from PIL.PngImagePlugin import PngInfo
 
 from .colour import NO_VALUE, Axis, ColourScale, to_srgb
 from .files import written
@@ -61,7 +62,7 @@ def false_colour_png(
     picture = _enlarged(scale.colours(values[::-1]))
     size = _letter(picture)
     legend = _legend(scale, max(picture.height, 14 * size) + size // 2, size)
-    _save(_sheet(picture, legend, title, note), path)
+    save_picture(_sheet(picture, legend, title, note), path, title)
 
 
 def colour_png(path: Path | str, light: NDArray[np.floating], title: str, note: str) -> None:
@@ -70,7 +71,7 @@ def colour_png(path: Path | str, light: NDArray[np.floating], title: str, note: 
     Toned as `toned`; otherwise as `false_colour_png`. Raises FileError likewise.
     """
     picture = _enlarged(toned(light[::-1], white_of(light)))
-    _save(_sheet(picture, _blank(1, 1), title, note), path)
+    save_picture(_sheet(picture, _blank(1, 1), title, note), path, title)
 
 
 def white_of(light: NDArray[np.floating]) -> float:
@@ -131,7 +132,7 @@ def legend_image(scale: ColourScale, height: int) -> NDArray[np.uint8]:
 
 def _legend(scale: ColourScale, height: int, size: int) -> Image.Image:
     """Quantity and unit above a bar of the palette, with labelled ticks to its right."""
-    font = _font(size)
+    font = font_of(size)
     heading = _Text([scale.quantity, scale.unit], size, _INK)
     top, bottom = heading.height + size, height - size // 2 - 1
     ticks = scale.ticks(max(2, min(8, (bottom - top) // (2 * size))))
@@ -150,7 +151,7 @@ def _legend(scale: ColourScale, height: int, size: int) -> Image.Image:
     for position, text in ticks:
         y = bottom - round(position * (bottom - top))
         draw.line([(bar, y), (bar + tick, y)], _QUIET, stroke)
-        draw.text((label, y), _drawable(text), _INK, font, anchor="lm")
+        draw.text((label, y), drawable(text), _INK, font, anchor="lm")
     return legend
 
 
@@ -184,7 +185,7 @@ def section_png(
     key = _draw_key(draw, labels, size, gap, gap + heading.height + size // 3, width - gap)
 
     x_axis, y_axis = Axis(along[0], along[-1], False), _value_axis(drawn, log)
-    font = _font(size)
+    font = font_of(size)
     widest = max(_width(text, font) for _, text in y_axis.ticks())
     frame = _Frame(
         left=gap + widest + size // 2,
@@ -204,7 +205,7 @@ def section_png(
         for run in _runs(curve.values):
             points = frame.points(along[run], curve.values[run])
             draw.line(points, _colour(index), 2 * _FINE, "curve")
-    _save(page.reduce(_FINE), path)
+    save_picture(page.reduce(_FINE), path, quantity)
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,15 +265,15 @@ def _value_axis(drawn: Sequence[_Drawn], log: bool) -> Axis:
 
 def _draw_grid(draw: ImageDraw.ImageDraw, frame: _Frame, size: int) -> None:
     """Grid lines with their labels, and the foot of the plot."""
-    font = _font(size)
+    font = font_of(size)
     for position, text in frame.y_axis.ticks():
         y = frame.y(position)
         draw.line([(frame.left, y), (frame.right, y)], _RULE, _FINE)
-        draw.text((frame.left - size // 2, y), _drawable(text), _QUIET, font, anchor="rm")
+        draw.text((frame.left - size // 2, y), drawable(text), _QUIET, font, anchor="rm")
     for position, text in frame.x_axis.ticks(10):
         x = frame.x(position)
         draw.line([(x, frame.top), (x, frame.bottom)], _RULE, _FINE)
-        draw.text((x, frame.bottom + size // 2), _drawable(text), _QUIET, font, anchor="ma")
+        draw.text((x, frame.bottom + size // 2), drawable(text), _QUIET, font, anchor="ma")
     draw.line([(frame.left, frame.bottom), (frame.right, frame.bottom)], _QUIET, _FINE)
 
 
@@ -280,7 +281,7 @@ def _draw_key(
     draw: ImageDraw.ImageDraw, labels: Sequence[str], size: int, left: int, top: int, right: int
 ) -> int:
     """A dash and a label a curve, in rows from ``left`` to ``right``; returns where they end."""
-    font, dash, row = _font(size), 2 * size, 3 * size // 2
+    font, dash, row = font_of(size), 2 * size, 3 * size // 2
     x = left
     for index, label in enumerate(labels):
         wide = dash + size // 2 + _width(label, font)
@@ -288,7 +289,7 @@ def _draw_key(
             x, top = left, top + row
         draw.line([(x, top + row // 2), (x + dash, top + row // 2)], _colour(index), 3 * _FINE)
         at = (x + dash + size // 2, top + row // 2)
-        draw.text(at, _drawable(label), _INK, font, anchor="lm")
+        draw.text(at, drawable(label), _INK, font, anchor="lm")
         x += wide + 2 * size
     return top + row
 
@@ -315,12 +316,12 @@ class _Text:
     @classmethod
     def fitted(cls, text: str, size: int, colour: Colour, width: int) -> "_Text":
         """``text`` broken into lines of about ``width`` pixels."""
-        full = max(1, _width(text, _font(size)))
+        full = max(1, _width(text, font_of(size)))
         return cls(textwrap.wrap(text, max(8, int(len(text) * width / full))), size, colour)
 
     @property
     def width(self) -> int:
-        return max(_width(line, _font(self.size)) for line in self.lines)
+        return max(_width(line, font_of(self.size)) for line in self.lines)
 
     @property
     def height(self) -> int:
@@ -334,11 +335,11 @@ class _Text:
         """Put the first line at ``x``, ``y``."""
         for number, line in enumerate(self.lines):
             at = (x, y + number * self._pitch)
-            draw.text(at, _drawable(line), self.colour, _font(self.size), anchor=anchor)
+            draw.text(at, drawable(line), self.colour, font_of(self.size), anchor=anchor)
 
 
 @functools.cache
-def _font(size: int) -> ImageFont.FreeTypeFont:
+def font_of(size: int) -> ImageFont.FreeTypeFont:
     """The best face on this machine, else the one that Pillow brings."""
     for face in _FACES:
         try:
@@ -348,9 +349,9 @@ def _font(size: int) -> ImageFont.FreeTypeFont:
     return cast(ImageFont.FreeTypeFont, ImageFont.load_default(size))
 
 
-def _drawable(text: str) -> str:
+def drawable(text: str) -> str:
     """``text``, or what of it Pillow's own face can draw: m² → m2, ä → a, − → -, 漢 → ?."""
-    if _font(12).getname()[0] != _LAST_FACE:
+    if font_of(12).getname()[0] != _LAST_FACE:
         return text
     parts = unicodedata.normalize("NFKD", text.translate({ord("−"): "-", ord("–"): "-"}))
     letters = (c for c in parts if not unicodedata.combining(c))
@@ -358,13 +359,20 @@ def _drawable(text: str) -> str:
 
 
 def _width(text: str, font: ImageFont.FreeTypeFont) -> int:
-    return int(font.getlength(_drawable(text)) + 1)
+    return int(font.getlength(drawable(text)) + 1)
 
 
 def _blank(width: int, height: int) -> Image.Image:
     return Image.new("RGB", (width, height), _PAPER)
 
 
-def _save(page: Image.Image, path: Path | str) -> None:
+def save_picture(page: Image.Image, path: Path | str, title: str) -> None:
+    """Write a picture as PNG, which says its ``title`` itself.
+
+    Raises FileError where the file cannot be written.
+    """
+    said = PngInfo()
+    if title:
+        said.add_itxt("Title", title)
     with written(path) as temporary:
-        page.save(temporary, format="PNG", compress_level=3)
+        page.save(temporary, format="PNG", compress_level=3, pnginfo=said)

@@ -2,12 +2,15 @@
 
 import base64
 import html
+import io
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import plotly.graph_objects as go
 import plotly.offline
+from PIL import Image
 
 from .table import load_csv
 
@@ -34,6 +37,7 @@ def write_report(folder: Path, summary: Mapping[str, Any], pictures: Sequence[st
     images = [name for name in pictures if name.endswith(".png")]
     tables = [name for name in pictures if name.endswith(".csv")]
     body = [_head(summary)]
+    body.append(_facts(summary["facts"]))
     body += [f'<p class="note">{html.escape(note)}</p>' for note in summary["notes"]]
     body.append('<div class="pictures">')
     body += [_picture(folder, name) for name in images]
@@ -54,19 +58,35 @@ def write_report(folder: Path, summary: Mapping[str, Any], pictures: Sequence[st
 
 def _head(summary: Mapping[str, Any]) -> str:
     quick = " · quick look" if summary["quick"] else ""
+    study = summary["study"]
+    named = f"Study “{html.escape(study)}” · " if study not in ("study", summary["title"]) else ""
     return (
         f"<h1>{html.escape(summary['title'])}</h1><p>{html.escape(summary['about'])}</p>"
-        f"<p class='quiet'>study {html.escape(summary['study'])}"
-        f" · Heliform {summary['heliform']}"
+        f"<p class='quiet'>{named}Heliform {summary['heliform']}"
         f" · seed {summary['seed']} · {summary['seconds']:.1f} s{quick}</p>"
     )
 
 
+def _facts(facts: Mapping[str, str]) -> str:
+    """What the results are of, a row each."""
+    if not facts:
+        return ""
+    rows = [
+        f"<tr><th>{html.escape(name)}</th><td>{html.escape(text)}</td></tr>"
+        for name, text in facts.items()
+    ]
+    return "\n".join(["<table>", *rows, "</table>"])
+
+
 def _picture(folder: Path, name: str) -> str:
-    data = base64.b64encode((folder / name).read_bytes()).decode("ascii")
+    """A picture below which stands what it says that it is, else its file's name."""
+    data = (folder / name).read_bytes()
+    with Image.open(io.BytesIO(data)) as picture:
+        caption = html.escape(picture.info.get("Title", name))
+    text = base64.b64encode(data).decode("ascii")
     return (
-        f'<figure><img alt="{html.escape(name)}" src="data:image/png;base64,{data}">'
-        f"<figcaption>{html.escape(name)}</figcaption></figure>"
+        f'<figure><img alt="{caption}" src="data:image/png;base64,{text}">'
+        f"<figcaption>{caption}</figcaption></figure>"
     )
 
 
@@ -94,11 +114,18 @@ def _plot(folder: Path, name: str) -> str:
 
 
 def _figures(figures: Mapping[str, Mapping[str, Any]]) -> str:
-    rows = ["<table><tr><th>figure</th><th>value</th><th>± 95 %</th><th>unit</th></tr>"]
+    """A row a figure, its key in result.json where the mouse rests; ± only where some have it."""
+    sure = any("uncertainty" in figure for figure in figures.values())
+    head = ["figure", "value", *["± 95 %"] * sure, "unit"]
+    rows = ["<table><tr>" + "".join(f"<th>{name}</th>" for name in head) + "</tr>"]
     for name, figure in figures.items():
-        spread = f"{figure['uncertainty']:.3g}" if "uncertainty" in figure else ""
-        rows.append(
-            f"<tr><td>{html.escape(name)}</td><td class='number'>{figure['value']:.6g}</td>"
-            f"<td class='number'>{spread}</td><td>{html.escape(figure['unit'])}</td></tr>"
-        )
+        title = html.escape(figure.get("title", name))
+        cells = [f"<td title='{html.escape(name)}'>{title}</td>", _cell(figure["value"], 6)]
+        cells += [_cell(figure.get("uncertainty", math.nan), 3)] * sure
+        rows.append(f"<tr>{''.join(cells)}<td>{html.escape(figure['unit'])}</td></tr>")
     return "\n".join([*rows, "</table>"])
+
+
+def _cell(value: float, digits: int) -> str:
+    text = f"{value:.{digits}g}" if math.isfinite(value) else ""
+    return f"<td class='number'>{text}</td>"

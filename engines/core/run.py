@@ -60,6 +60,7 @@ def _run(study: Study, folder: Path, progress: Progress) -> list[str]:
         "seed": study.seed,
         "quick": study.quick,
         "seconds": 0.0,
+        "facts": {},
         "figures": {},
         "files": [],
         "notes": [],
@@ -98,6 +99,8 @@ def _run_case(
     pictures += [stem + name for name in drawn]
     prefix = f"{case.name}." if case.name else ""
     summary["figures"] |= {prefix + name: figure for name, figure in result.figures().items()}
+    facts = result.meta.get("facts", {})
+    summary["facts"] |= {f"{case.name}: {n}" if case.name else n: t for n, t in facts.items()}
     summary["notes"] += [f"{case.name}: {n}" if case.name else n for n in result.meta["notes"]]
 
 

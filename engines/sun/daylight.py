@@ -28,6 +28,7 @@ from .sky_matrix import require_size
 from .summing import Year
 from .weather import Weather
 from .weights import weather_of
+from .words import facts_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,7 +108,7 @@ def study_daylight(
         "parameters": to_table(record),
         "site": to_table(course.dome.site),
         "source": source,
-        "period": period_text(record.period),
+        "period": period_text(record.period, course.times[counted], course.dome.site),
         "suns": len(course.suns.directions),
         "patches": course.dome.count - 1,
         "accuracy": float(np.degrees(course.suns.accuracy)),
@@ -119,6 +120,7 @@ def study_daylight(
         "seed": seed,
         "seconds": time.perf_counter() - started,
     }
+    meta["facts"] = facts_of(meta)
     mean = mean_course(rooms, years)[counted]
     return SunMaps(maps, course.times[counted], {"illuminance": mean}, meta)
 

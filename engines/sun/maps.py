@@ -13,28 +13,8 @@ from ..core import exr
 from ..core.errors import FileError
 from ..core.files import BROKEN, written
 from ..core.scene import Vector
-from .tables import save_hourly
-
-QUANTITIES: dict[str, tuple[str, str, str]] = {
-    "sun_hours": ("Sun hours", "h", "How long the sun is up and nothing but glass hides it."),
-    "direct": ("Direct irradiation", "kWh/m²", "What comes straight from the sun."),
-    "diffuse": ("Diffuse irradiation", "kWh/m²", "What comes from the sky and off the ground."),
-    "reflected": ("Reflected irradiation", "kWh/m²", "What comes off bodies and receivers."),
-    "total": ("Irradiation", "kWh/m²", "All that comes from sun, sky, ground and bodies."),
-    "open": ("Irradiation without buildings", "kWh/m²", "The same in an open field."),
-    "shading": ("Shading", "", "What share of the irradiation in an open field is kept off."),
-    "daylight_factor": ("Daylight factor", "%", "Illuminance over that outdoors, overcast."),
-    "illuminance": ("Illuminance", "lx", "The mean over the period."),
-    "open_illuminance": ("Illuminance without buildings", "lx", "The same in an open field."),
-    "daylight_autonomy": ("Daylight autonomy", "%", "Share of the hours that reach the target."),
-    "continuous_autonomy": ("Continuous autonomy", "%", "The same, with part of it for part."),
-    "udi_low": ("Too dark", "%", "Share of the hours with too little to be useful."),
-    "udi_supplementary": ("Dim", "%", "Share of the hours in which lamps help."),
-    "udi_useful": ("Useful daylight", "%", "Share of the hours with useful illuminance."),
-    "udi_high": ("Too bright", "%", "Share of the hours with more than is useful."),
-    "direct_hours": ("Hours of direct sun", "h", "Hours with more than 1000 lx from the sun."),
-}
-"""Name of a map → its title, its unit, and what it is in a sentence."""
+from .tables import QUANTITIES, save_hourly
+from .words import figure_title
 
 DATA = "hourly.npz"
 _AREA = "area"
@@ -83,7 +63,8 @@ class SunMaps:
     `tables.HOURLY` → (T,) float64, means over all sensors by area; empty where not asked for.
 
     ``meta`` says figures (name → value and unit), quantities (name → title and unit), parameters,
-    site, source (of the weather), period, notes, seed, version and seconds.
+    site, source (of the weather), period, facts (the last three in words), notes, seed, version and
+    seconds.
     """
 
     maps: tuple[SunMap, ...]
@@ -92,8 +73,8 @@ class SunMaps:
     meta: dict[str, Any]
 
     def figures(self) -> dict[str, dict[str, Any]]:
-        """The numbers of the report: name → value and unit."""
-        return self.meta["figures"]
+        """The numbers of the report: name → value, unit and title."""
+        return {n: {**f, "title": figure_title(n)} for n, f in self.meta["figures"].items()}
 
     def save(self, folder: Path) -> list[str]:
         """Write an EXR a receiver, the hourly means and their table; returns the files' names.

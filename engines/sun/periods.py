@@ -127,19 +127,26 @@ def season_notes(period: Period, site: Site) -> tuple[str, ...]:
     )
 
 
-def period_text(period: Period) -> str:
-    """A period as a person reads it: “cooling season, 25 April to 21 October, 8 to 18 h”."""
+def period_text(period: Period, times: Times | None = None, site: Site | None = None) -> str:
+    """A period as a person reads it: “cooling season, 25 April to 21 October, 8 to 18 h”.
+
+    ``times`` (T,), UTC, of what the ``site``'s weather has in it say the days of a season by degree
+    days, of a solstice or an equinox.
+    """
     parts: list[str] = [period.span]
+    found = _days_text(times, site) if times is not None and site else ""
     if period.span == "months":
         parts = [_range(_month(period.first_month), _month(period.last_month))]
     elif period.span == "dates":
         parts = [_dates_text(period)]
     elif period.span.endswith("season") and period.seasons == "degree days":
-        parts.append("by degree days")
+        parts += ["by degree days", *([found] if found else [])]
     elif period.span == "cooling season":
         parts.append(_dates_text(period.cooling))
     elif period.span == "heating season":
         parts.append(f"all but {_dates_text(period.cooling)}")
+    elif period.span in _TURNS and found:
+        parts.append(found)
     if (period.first_hour, period.last_hour) != (0, 24):
         parts.append(f"{period.first_hour:g} to {period.last_hour:g} h")
     return ", ".join(parts)
@@ -221,6 +228,20 @@ def _hours(times: Times, period: Period, site: Site) -> Mask:
     hour = hour_of_day(times, site)
     after, before = hour >= period.first_hour, hour < period.last_hour
     return after & before if period.first_hour <= period.last_hour else after | before
+
+
+def _days_text(times: Times, site: Site) -> str:
+    """The days that times (T,) are on, from the first to the last of each run of them."""
+    days = np.unique(standard_time(times, site).astype("datetime64[D]"))
+    breaks = np.flatnonzero(np.diff(days).astype(np.int64) > 1)
+    runs = [
+        [f"{day.day} {_month(day.month)}" for day in (run[0].item(), run[-1].item())]
+        for run in np.split(days, breaks + 1)
+        if len(run)
+    ]
+    if len(runs) > 1 and (runs[0][0], runs[-1][1]) == ("1 January", "31 December"):
+        runs = [*runs[1:-1], [runs[-1][0], runs[0][1]]]  # over the year's end
+    return ", ".join(_range(*ends) for ends in runs)
 
 
 def _dates_text(ends: Period | CoolingSeason) -> str:

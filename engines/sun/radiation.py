@@ -22,6 +22,7 @@ from .reflected import Reflected, reflect
 from .sensors import Sensors, joined, of_receiver
 from .site import Site
 from .weights import Sources, sources_of, weather_of
+from .words import facts_of
 
 _DOWN = -0.5  # the mean of a receiver's normals, below which it is said to look down
 
@@ -133,7 +134,7 @@ def maps_of(
         values["open"] = free.irradiation
         lit = free.irradiation > 0
         kept = np.divide(total, free.irradiation, out=np.full_like(total, np.nan), where=lit)
-        values["shading"] = 1 - kept
+        values["shading"] = 100 * (1 - kept)
     ends = np.cumsum([len(part) for part in parts])
     maps = []
     for receiver, sensors, end in zip(scene.receivers, parts, ends.tolist(), strict=True):
@@ -164,12 +165,12 @@ def said_of(thrown: Reflected, record: Radiation) -> str:
 
 def meta_of(record: Radiation, sources: Sources, notes: Sequence[str]) -> dict[str, Any]:
     """What is known of a result but for its figures, its seed and how long it took."""
-    return {
+    meta = {
         "kind": "radiation",
         "parameters": to_table(record),
         "site": to_table(sources.site),
         "source": sources.source,
-        "period": period_text(record.period),
+        "period": period_text(record.period, sources.times, sources.site),
         "suns": len(sources.suns.directions),
         "patches": len(sources.patches.directions),
         "directions": len(sources.directions),
@@ -177,6 +178,7 @@ def meta_of(record: Radiation, sources: Sources, notes: Sequence[str]) -> dict[s
         "notes": list(dict.fromkeys([*sources.notes, *notes])),
         "version": VERSION,
     }
+    return meta | {"facts": facts_of(meta)}
 
 
 def spread(sensors: Sensors, values: Vector, fill: float = np.nan) -> NDArray[np.float32]:

@@ -53,7 +53,7 @@ class Rays:
         """Runs of sensors with no more than BATCH rays, or single ones."""
         count, step = len(self.origins), max(1, BATCH // max(len(self.directions), 1))
         for start in range(0, count, step):
-            progress(start / count, f"Tracing sensor {start:,} of {count:,}")
+            progress(start / count, "Tracing what the sensors see")
             yield slice(start, min(start + step, count))
 
 

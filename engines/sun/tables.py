@@ -1,4 +1,4 @@
-"""The hourly table of a sun study."""
+"""The quantities of a sun study, and its hourly table."""
 
 import gzip
 from collections.abc import Mapping
@@ -12,6 +12,27 @@ from ..core.files import written
 from ..core.scene import Vector
 from ..core.table import save_csv
 from .weather import seconds
+
+QUANTITIES: dict[str, tuple[str, str, str]] = {
+    "sun_hours": ("Sun hours", "h", "How long the sun is up and nothing but glass hides it."),
+    "direct": ("Direct irradiation", "kWh/m²", "What comes straight from the sun."),
+    "diffuse": ("Diffuse irradiation", "kWh/m²", "What comes from the sky and off the ground."),
+    "reflected": ("Reflected irradiation", "kWh/m²", "What comes off bodies and receivers."),
+    "total": ("Irradiation", "kWh/m²", "All that comes from sun, sky, ground and bodies."),
+    "open": ("Irradiation without buildings", "kWh/m²", "The same in an open field."),
+    "shading": ("Shading", "%", "What share of the irradiation in an open field is kept off."),
+    "daylight_factor": ("Daylight factor", "%", "Illuminance over that outdoors, overcast."),
+    "illuminance": ("Illuminance", "lx", "The mean over the period."),
+    "open_illuminance": ("Illuminance without buildings", "lx", "The same in an open field."),
+    "daylight_autonomy": ("Daylight autonomy", "%", "Share of the hours that reach the target."),
+    "continuous_autonomy": ("Continuous autonomy", "%", "The same, with part of it for part."),
+    "udi_low": ("Too dark", "%", "Share of the hours with too little to be useful."),
+    "udi_supplementary": ("Dim", "%", "Share of the hours in which lamps help."),
+    "udi_useful": ("Useful daylight", "%", "Share of the hours with useful illuminance."),
+    "udi_high": ("Too bright", "%", "Share of the hours with more than is useful."),
+    "direct_hours": ("Hours of direct sun", "h", "Hours with more than 1000 lx from the sun."),
+}
+"""Name of a map → its title, its unit, and what it is in a sentence."""
 
 HOURLY: dict[str, tuple[str, str]] = {
     "direct": ("Direct", "W/m²"),
@@ -40,7 +61,7 @@ def save_hourly(
     local = np.datetime_as_string(local.astype("datetime64[m]"))
     columns = {"Middle of the interval": np.char.replace(local, "T", " ")}
     columns |= {f"{HOURLY[n][0]} ({HOURLY[n][1]})": values for n, values in hourly.items()}
-    about = {"title": "Means over the sensors", **{k: meta[k] for k in ("source", "period")}}
+    about = {"title": "Means over the sensors", **meta["facts"]}
     plain = folder / "hourly.csv"
     save_csv(plain, columns, about)
     if len(local) <= _LONG:

@@ -6,11 +6,17 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
-from ..core.colour import ColourScale, Display, scale_for
-from ..core.files import written
-from ..core.picture import Curve, legend_image, section_png
+from ..core.colour import ColourScale, Display
+from ..core.picture import (
+    Curve,
+    drawable,
+    font_of,
+    legend_image,
+    save_picture,
+    section_png,
+)
 from ..core.scene import Vector
 from .maps import SunMaps
 from .tables import HOURLY
@@ -18,6 +24,7 @@ from .weather import seconds
 
 _PAPER, _INK, _QUIET = (255, 255, 255), (28, 32, 36), (96, 103, 110)
 _WIDE, _HIGH, _GAP, _TEXT = 1095, 480, 28, 18  # pixels
+_LINE = 24  # pixels from line to line
 _EVERY = 3  # hours between labels
 _MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 
@@ -66,8 +73,7 @@ def save_hours(folder: Path, result: SunMaps, display: Display) -> list[str]:
         scale = hourly_scale(result.hourly, name, display)
         title = f"{HOURLY[name][0]}: mean over the sensors, {result.meta['period']}"
         files.append(f"hours {name}.png")
-        with written(folder / files[-1]) as draft:
-            temporal_picture(grid, scale, title).save(draft, format="PNG", compress_level=6)
+        save_picture(temporal_picture(grid, scale, title), folder / files[-1], title)
     return files
 
 
@@ -85,26 +91,28 @@ def _save_course(folder: Path, grids: Mapping[str, Temporal]) -> str:
 
 
 def hourly_scale(hourly: Mapping[str, Vector], name: str, display: Display) -> ColourScale:
-    """The scale of an hourly mean: all of one unit share it."""
+    """The scale of an hourly mean, evenly spaced from the values: all of one unit share it."""
     title, unit = HOURLY[name]
     together = [v for n, v in hourly.items() if HOURLY[n][1] == unit]
-    return scale_for(np.concatenate(together), display, title, unit)
+    return ColourScale.automatic(np.concatenate(together), False, display.palette, title, unit)
 
 
 def temporal_picture(grid: Temporal, scale: ColourScale, title: str) -> Image.Image:
-    """The map in false colour, months along and hours up, with its legend."""
+    """The map in false colour, months along and hours up, with its legend; a title of any lines."""
     rows, columns = grid.values.shape
     size = (columns * max(1, round(_WIDE / columns)), rows * max(1, round(_HIGH / rows)))
     picture = Image.fromarray(scale.colours(grid.values[::-1]))
     picture = picture.resize(size, Image.Resampling.NEAREST)
     legend = Image.fromarray(legend_image(scale, max(size[1], 240)))
-    left, top = 2 * _GAP + _TEXT, _GAP + 2 * _TEXT
+    lines = title.splitlines()
+    left, top = 2 * _GAP + _TEXT, _GAP + 2 * _TEXT + (len(lines) - 1) * _LINE
     width = left + size[0] + 2 * _GAP + legend.width
     page = Image.new("RGB", (width, top + max(size[1], legend.height) + 3 * _GAP), _PAPER)
     page.paste(picture, (left, top))
     page.paste(legend, (left + size[0] + _GAP, top))
-    pen, font = ImageDraw.Draw(page), ImageFont.load_default(_TEXT)
-    pen.text((left, _GAP // 2), title, _INK, font)
+    pen, font = ImageDraw.Draw(page), font_of(_TEXT)
+    for number, line in enumerate(lines):
+        pen.text((left, _GAP // 2 + number * _LINE), drawable(line), _INK, font)
     for hour in range(0, 25, _EVERY):
         y = top + size[1] * (1 - hour / 24)
         pen.line((left - 6, y, left, y), _QUIET)

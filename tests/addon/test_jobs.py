@@ -196,9 +196,15 @@ def test_a_receiver_renamed_meanwhile_gets_the_result(ball, scene, tmp_path):
     assert scene.heliform.shown.name == "Renamed false colour"
 
 
-def test_a_receiver_deleted_meanwhile_is_said(ball, tmp_path):
+@pytest.mark.parametrize("held", [False, True])
+def test_a_receiver_deleted_meanwhile_is_said(ball, tmp_path, held):
     task, ended = finished(ball, tmp_path)
-    bpy.data.objects.remove(ball)
+    if held:  # something else still uses it, but it is in no scene
+        ball.use_fake_user = True
+        for collection in ball.users_collection:
+            collection.objects.unlink(ball)
+    else:
+        bpy.data.objects.remove(ball)
     with pytest.raises(jobs.SceneError, match="“Vase ä/1” was deleted"):
         jobs._conclude(task, ended)
 

@@ -9,7 +9,7 @@ import gpu
 import numpy as np
 import pytest
 from heliform.addon import live_sun, sun_overlay, sun_place
-from heliform.addon.bridge import layers, results, sun, sun_sensor
+from heliform.addon.bridge import layers, results, sun, sun_said, sun_sensor
 from heliform.addon.properties import write
 from heliform.engines.core.scene import Body, Material, Mesh, Receiver, Scene
 from heliform.engines.sun import QUANTITIES, SUN_RADIATION, Radiation, study_radiation
@@ -19,7 +19,9 @@ from heliform.engines.sun.periods import Period
 from heliform.engines.sun.position import sun_position
 from heliform.engines.sun.site import Site
 from heliform.engines.sun.times import moment
-from mathutils import Matrix
+from heliform.engines.sun.words import figure_text, matters
+from heliform.operators.sun import receiver_along
+from mathutils import Matrix, Vector
 
 NOON = Period(span="summer solstice", first_hour=9.0, last_hour=15.0)
 CHEAP = Radiation(period=NOON, subdivision=1, accuracy=5.0)
@@ -185,6 +187,105 @@ def test_one_sensor_has_its_hours_as_a_picture(study):
     assert there.min() - 1e-3 <= found <= there.max() * 1.001
 
 
+def test_a_click_passes_bodies_to_the_receiver(ground):
+    down = Vector((0, 0, -1))
+    bpy.context.view_layer.update()
+    obj, where, normal = receiver_along(bpy.context, Vector((-1.0, 0.2, 30)), down)  # the canopy
+    assert obj == ground
+    assert tuple(where) == pytest.approx((-1.0, 0.2, 0.0), abs=1e-4)
+    assert normal.z == pytest.approx(1)
+    assert receiver_along(bpy.context, Vector((-5.0, 0.2, 30)), down) is None
+    ground.heliform.on = False
+    assert receiver_along(bpy.context, Vector((-1.0, 0.2, 30)), down) is None
+
+
+def test_a_new_study_drops_the_sensors_mark_and_the_maps_of_others(study):
+    scene = bpy.context.scene
+    bpy.ops.heliform.sun_sensor()
+    bpy.ops.heliform.add_receiver()
+    bpy.context.object.location = (3, 3, 0)
+    bpy.context.object.heliform.plane.resolution = 4
+    study.heliform.role = "NONE"
+    study.hide_set(True)
+    assert bpy.ops.heliform.study_sun() == {"FINISHED"}
+    (other,) = sun.staged_on(scene)
+    assert other != study
+    assert layers.layer_of(study) is None
+    study.heliform.role = "RECEIVER"
+    study.hide_set(False)
+    assert bpy.ops.heliform.study_sun() == {"FINISHED"}
+    assert layers.layer_of(study).marks == []
+
+
+def test_a_night_has_no_number_for_what_is_not_known(ground):
+    scene = bpy.context.scene
+    period = scene.heliform.radiation.period
+    period.first_hour, period.last_hour = 22.0, 4.0
+    assert bpy.ops.heliform.study_sun() == {"FINISHED"}
+    assert np.isnan(sun.mean_on(ground, "shading"))
+    assert figure_text("shading", {"value": sun.mean_on(ground, "shading"), "unit": "%"}) == "–"
+    for name in sun.offered_maps(scene):
+        scene.heliform.sun_map = name
+        assert not any("nan" in line for line in layers.layer_of(ground).footing)
+    report = Path(sun.facts_of(scene)["folder"], "report.html").read_text(encoding="utf-8")
+    assert ">nan" not in report.partition("<h2>Figures")[2]
+
+
+def test_hidden_bodies_are_said(ground):
+    bpy.data.objects["Canopy"].hide_set(True)
+    assert bpy.ops.heliform.study_sun() == {"FINISHED"}
+    notes = sun.facts_of(bpy.context.scene)["notes"]
+    assert "“Canopy” is hidden and left out." in notes
+    assert matters("“Canopy” is hidden and left out.")
+    assert not matters("4,428 suns are merged into 620 directions.")
+
+
+def test_other_settings_make_a_study_one_of_earlier_ones(study):
+    scene = bpy.context.scene
+
+    def said():
+        return "of earlier settings" in layers.layer_of(study).footing
+
+    assert not said()
+    scene.heliform.radiation.site.latitude = np.radians(10.0)
+    assert said()
+    scene.heliform.radiation.site.latitude = np.radians(Site().latitude)
+    assert not said()
+    scene.heliform.radiation.period.first_month = 5  # does not count for a solstice
+    scene.heliform.daylight.target = 500.0  # nor is it of this study
+    assert not said()
+    scene.heliform.radiation.period.first_hour = 8.0
+    assert said()
+    assert sun.facts_of(scene)["stale"]
+
+
+def test_a_live_map_says_so_and_the_last_study_keeps_its_files(study, tmp_path):
+    scene = bpy.context.scene
+    folder = sun.facts_of(scene)["folder"]
+    scene.heliform.live_sun = True
+    facts = sun.facts_of(scene)
+    assert facts["live"]
+    assert facts["folder"] == folder
+    scene.heliform.live_sun = False
+    assert "live, coarse: press Study Sun" in layers.layer_of(study).footing
+    assert not sun.facts_of(scene)["stale"]
+    path = tmp_path / "hours.csv"
+    assert bpy.ops.heliform.export_sun_hours(filepath=str(path)) == {"FINISHED"}
+    assert path.is_file()
+
+
+def test_bodies_are_edges_while_one_sees_inside(study):
+    canopy, own = bpy.data.objects["Canopy"], bpy.context.scene.heliform
+    canopy.display_type = "BOUNDS"
+    own.see_inside = True
+    assert (canopy.display_type, study.display_type) == ("WIRE", "TEXTURED")
+    own.see_inside = False
+    assert canopy.display_type == "BOUNDS"
+    own.see_inside = True
+    bpy.ops.heliform.clear_sun()
+    assert canopy.display_type == "BOUNDS"
+
+
 def test_hours_are_exported_as_a_table(study, tmp_path):
     path = tmp_path / "Stunden ä"
     assert bpy.ops.heliform.export_sun_hours(filepath=str(path)) == {"FINISHED"}
@@ -293,6 +394,9 @@ def test_a_weather_file_brings_its_place(scene, tmp_path, monkeypatch):
     scene.heliform.radiation.weather_file = "//Sydney.epw"
     site = sun_place.site_of(scene)
     assert site == replace(there, north=20.0, turbidity=3.5)
+    assert sun_said.asked(scene, Radiation).site == site
+    scene.heliform.radiation.weather_file = ""
+    assert sun_place.site_of(scene) == Site(north=20.0, turbidity=3.5)
 
 
 def test_the_path_is_drawn_where_the_sun_goes(scene):
@@ -338,10 +442,10 @@ def test_daylight_has_its_maps_and_figures(ground):
     bpy.context.view_layer.objects.active = ground
     assert bpy.ops.heliform.sun_sensor() == {"FINISHED"}
     (mark,) = layers.layer_of(ground).marks
-    *_, value, unit = mark.label.split()
+    value, unit = mark.label.removeprefix("Sensor: ").partition(",")[0].rsplit(" ", 1)
     assert unit == "lx"
     there = sun.map_on(ground).maps["illuminance"]
-    assert 0.9 * there.min() <= float(value) <= 1.1 * there.max()
+    assert 0.9 * there.min() <= float(value.replace("\u2009", "")) <= 1.1 * there.max()
 
 
 def test_a_receiver_shows_its_own_figures():
@@ -365,7 +469,7 @@ def test_a_receiver_that_is_renamed_keeps_its_name_in_the_study(study):
 def test_what_is_asked_names_the_weather_by_its_whole_path(ground, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
     bpy.context.scene.heliform.radiation.weather_file = "//here.epw"
-    asked = sun.asked(bpy.context.scene, SUN_RADIATION.record)
+    asked = sun_said.asked(bpy.context.scene, SUN_RADIATION.record)
     assert asked.weather_file == str(tmp_path / "here.epw")
 
 

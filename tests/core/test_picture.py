@@ -54,12 +54,12 @@ def test_the_legend_runs_through_the_palette_upward(height):
 
 def test_maps_are_drawn_without_any_font_on_the_machine(tmp_path, monkeypatch):
     monkeypatch.setattr(picture, "_FACES", ())
-    picture._font.cache_clear()
+    picture.font_of.cache_clear()
     picture.false_colour_png(
         tmp_path / "a.png", np.ones((8, 8)), SCALE, "Väschen 花 “1”", "± 3 lx/m²"
     )
-    assert picture._drawable("Väschen 花: −3 ± 1 lx/m²") == "Vaschen ?: -3 ± 1 lx/m2"
-    picture._font.cache_clear()
+    assert picture.drawable("Väschen 花: −3 ± 1 lx/m²") == "Vaschen ?: -3 ± 1 lx/m2"
+    picture.font_of.cache_clear()
 
 
 def profile(log=False, **changes) -> dict:

@@ -5,18 +5,26 @@ import gzip
 import numpy as np
 import pytest
 from heliform.engines.core.colour import Display
-from heliform.engines.core.errors import FileError
+from heliform.engines.core.errors import FileError, ParameterError
+from heliform.engines.core.parameters import to_table
 from heliform.engines.core.table import load_csv
 from heliform.engines.sun.clear_sky import clear_weather
 from heliform.engines.sun.drawing import draw, scale_of
 from heliform.engines.sun.maps import SunMap, SunMaps, figures_of, quantities_of
 from heliform.engines.sun.site import Site
-from heliform.engines.sun.temporal import temporal_map
+from heliform.engines.sun.temporal import hourly_scale, temporal_map, temporal_picture
 from heliform.engines.sun.times import hours_of_year, moment
+from PIL import Image
 
 RNG = np.random.default_rng(11)
 AREA = np.array([[1, 1, 2], [0, 4, 4]], np.float32)
-META = {"site": {"utc_offset": 1.0}, "source": "a test’s", "period": "year", "notes": ["One."]}
+META = {
+    "site": to_table(Site(utc_offset=1.0)),
+    "source": "a test’s",
+    "period": "year",
+    "facts": {"Place": "42.36° N, 71.09° W", "Weather": "a test’s", "Period": "year"},
+    "notes": ["One."],
+}
 
 
 def some(name="Floor", sides=1):
@@ -24,7 +32,12 @@ def some(name="Floor", sides=1):
     shape = AREA.shape if sides == 1 else (sides, *AREA.shape)
     free = RNG.uniform(100, 200, shape)
     kept = RNG.uniform(0, 1, shape)
-    maps = {"sun_hours": 4000 * kept, "total": free * kept, "open": free, "shading": 1 - kept}
+    maps = {
+        "sun_hours": 4000 * kept,
+        "total": free * kept,
+        "open": free,
+        "shading": 100 * (1 - kept),
+    }
     held = {n: np.where(AREA > 0, v, np.nan).astype(np.float32) for n, v in maps.items()}
     return SunMap(name, held, AREA)
 
@@ -73,7 +86,11 @@ def test_figures_are_means_by_area_and_sums():
     figures = result(one).figures()
     inside = AREA > 0
     mean = np.average(one.maps["total"][inside], weights=AREA[inside])
-    assert figures["mean_total"] == {"value": pytest.approx(mean, rel=1e-6), "unit": "kWh/m²"}
+    assert figures["mean_total"]["value"] == pytest.approx(mean, rel=1e-6)
+    assert (figures["mean_total"]["unit"], figures["mean_total"]["title"]) == (
+        "kWh/m²",
+        "Irradiation",
+    )
     assert figures["sum_total"]["value"] == pytest.approx(12 * mean, rel=1e-6)
     assert figures["min_sun_hours"]["value"] == one.maps["sun_hours"][inside].min()
     assert figures["max_shading"]["value"] == one.maps["shading"][inside].max()
@@ -99,7 +116,8 @@ def test_the_table_of_hours_reads_back_and_is_packed_where_it_is_long(tmp_path):
     plain = tmp_path / "plain.csv"
     plain.write_bytes(gzip.decompress((tmp_path / "hourly.csv.gz").read_bytes()))
     columns, meta = load_csv(plain)
-    assert meta["source"] == "a test’s"
+    assert meta["Weather"] == "a test’s"
+    assert meta["Place"] == "42.36° N, 71.09° W"
     assert columns["Direct (W/m²)"] == pytest.approx(long.hourly["direct"], rel=1e-6)
     clock = columns["Middle of the interval"]
     assert (clock[0], clock[-1]) == ("2019-01-01 00:30", "2019-12-31 23:30")
@@ -121,6 +139,48 @@ def test_irradiation_with_and_without_buildings_is_on_one_scale():
     assert scales["shading"].low == 0
     assert not scales["shading"].log
     assert not scales["sun_hours"].log
+
+
+def test_irradiation_far_below_the_open_skys_has_a_scale_of_its_own():
+    one = some()
+    dark = {**one.maps, "total": one.maps["total"] / 20}
+    drawn = result(SunMap("Room", dark, AREA))
+    assert 0 < scale_of(drawn, "total", Display()).high <= 10
+    assert scale_of(drawn, "open", Display()).high >= 150
+
+
+@pytest.mark.parametrize("name", ["daylight_factor", "udi_low", "sun_hours", "shading", "total"])
+def test_a_range_set_by_hand_is_obeyed_by_every_map(name):
+    held = {n: np.full(AREA.shape, 40.0, np.float32) for n in (name, "open")}
+    drawn = result(SunMap("Room", held, AREA))
+    scale = scale_of(drawn, name, Display(automatic=False, low=1.0, high=3.0))
+    assert (scale.low, scale.high, scale.log) == (1, 3, False)
+    with pytest.raises(ParameterError):
+        scale_of(drawn, name, Display(automatic=False, low=3.0, high=1.0))
+
+
+def test_a_small_daylight_factor_is_drawn_up_to_its_own_and_shares_of_time_to_100():
+    few = {n: np.full(AREA.shape, 3.62, np.float32) for n in ("daylight_factor", "udi_low")}
+    drawn = result(SunMap("Room", few, AREA))
+    assert scale_of(drawn, "daylight_factor", Display()).high == pytest.approx(3.7)
+    assert scale_of(drawn, "udi_low", Display()).high == 100
+
+
+def test_pictures_of_a_study_are_evenly_spaced_whatever_is_set():
+    drawn = result(some())
+    assert not any(scale_of(drawn, n, Display(log=True)).log for n in drawn.maps[0].maps)
+    assert not hourly_scale(drawn.hourly, "direct", Display(log=True)).log
+
+
+def test_the_hours_picture_says_its_title_and_draws_squares(tmp_path):
+    values = np.arange(8760.0)
+    grid = temporal_map(hours_of_year(2019, Site()), values, -5.0)
+    scale = hourly_scale({"direct": values}, "direct", Display())
+    one, two = (temporal_picture(grid, scale, title) for title in ("W/m²", "W/m²\nyear"))
+    assert two.height > one.height
+    draw(result(some()), tmp_path, Display())
+    with Image.open(tmp_path / "hours direct.png") as picture:
+        assert picture.info["Title"].startswith("Direct: mean over the sensors")
 
 
 def test_a_temporal_map_is_by_the_sites_clock():

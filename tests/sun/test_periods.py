@@ -242,3 +242,17 @@ def test_a_period_reads_as_a_person_says_it():
 def test_a_period_is_written_and_read_back():
     period = Period(span="cooling season", cooling=CoolingSeason(first_day=1), first_hour=7.5)
     assert from_table(Period, to_table(period), "period") == period
+
+
+def test_days_that_the_weather_decides_are_said():
+    site = Site(utc_offset=1.0)
+    times = hours_of_year(2019, site).astype("datetime64[s]")
+    day = (np.arange(8760) // 24) == 171
+    solstice = Period(span="summer solstice")
+    assert period_text(solstice, times[day], site) == "summer solstice, 21 June"
+    warm = (np.arange(8760) // 24 >= 100) & (np.arange(8760) // 24 < 300)
+    by_days = {"seasons": "degree days"}
+    said = period_text(Period(span="cooling season", **by_days), times[warm], site)
+    assert said == "cooling season, by degree days, 11 April to 27 October"
+    said = period_text(Period(span="heating season", **by_days), times[~warm], site)
+    assert said == "heating season, by degree days, 28 October to 10 April"
