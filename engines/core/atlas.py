@@ -90,12 +90,37 @@ def texels(surface: Surface) -> Texels:
     )
 
 
+def spots(surface: Surface, texels: Texels) -> tuple[Vector, Vector]:
+    """A place on the surface for each texel that is ``inside``, in m, and the unit normal there.
+
+    Both (N, 3), in the texels' order: the centroid of what the texel's ``face`` covers of it. A
+    texel's own centroid is off the surface where that bends within the texel.
+    """
+    shown = np.flatnonzero(texels.inside)
+    face = texels.face.ravel()
+    used, number = np.unique(face[shown], return_inverse=True)
+    mesh, of = surface.mesh, np.full(face.size, -1)
+    of[shown] = number
+    weights = np.zeros((3, face.size))
+    for some in pieces(surface.texture[used], surface.columns, surface.rows):
+        own = of[some.texel] == some.face
+        weights[:, some.texel[own]] = some.weights[:, own]
+    corners = mesh.vertices[mesh.faces[face[shown]]]
+    normals = _areas(Mesh(mesh.vertices, mesh.faces[used]))[1]
+    return np.einsum("kn,nki->ni", weights[:, shown], corners), normals[number]
+
+
 def _areas(mesh: Mesh) -> tuple[Vector, Vector]:
     """Area (F,) and unit normal (F, 3) of each triangle; no normal where there is no area."""
     a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
     cross = np.cross(b - a, c - a)
     length = np.sqrt(np.einsum("fi,fi->f", cross, cross))
     return length / 2, np.divide(cross, length[:, None], out=cross, where=length[:, None] > 0)
+
+
+def without_area(mesh: Mesh) -> int:
+    """How many of the faces have none, and so no texel."""
+    return len(mesh.faces) - len(_solid(_areas(mesh)[0]))
 
 
 def _solid(areas: Vector) -> Indices:
