@@ -14,6 +14,7 @@ from ..core.scene import Body, Material, Scene
 from .annual import light_at, year_of
 from .bounces import Dome
 from .daylight_figures import daylight_figures
+from .hidden import unlit
 from .illuminance import Course, course_of
 from .interior import Interior
 from .maps import SunMap, SunMaps, quantities_of
@@ -97,6 +98,7 @@ def study_daylight(
     maps = _maps(scene, parts, year)
     figures, said = daylight_figures(maps, interior, course, year, record, annual)
     notes = [*course.notes, *year.notes, *_notes(scene, record, interior), *said]
+    notes += unlit(interior.occluders, scene.receivers, parts, year.values["daylight_factor"])
     meta: dict[str, Any] = {
         "kind": "daylight",
         "parameters": to_table(record),

@@ -23,7 +23,8 @@ class Sensors:
     0 where a sensor is a mere point. Rays start ``offset`` m off the points along the normals.
     ``home`` (N,) int64: the flat index of each sensor in an array of ``shape``: faces (F,),
     vertices (V,), a grid or a map (rows, columns), or (2, rows, columns) for front and back.
-    ``notes``: what was left out.
+    ``notes``: what was left out. ``doubtful``: whether some may look to the wrong side, which the
+    notes say then.
     """
 
     points: Vector
@@ -33,6 +34,7 @@ class Sensors:
     home: NDArray[np.int64]
     shape: tuple[int, ...]
     notes: tuple[str, ...] = ()
+    doubtful: bool = False
 
     def __len__(self) -> int:
         return len(self.points)

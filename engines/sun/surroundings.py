@@ -55,11 +55,11 @@ def _own(soup: Soup, number: int) -> tuple[float, float, float, float]:
     material = soup.bodies[number].material
     if is_pane(material):
         return 1.0, material.ior, material.absorption, float(not soup.closed(number))
-    returned, mirrored = _returned(material)
+    returned, mirrored = returned_by(material)
     return 0.0, returned, mirrored / returned if returned else 0.0, 0.0
 
 
-def _returned(material: Material) -> tuple[float, float]:
+def returned_by(material: Material) -> tuple[float, float]:
     """What an opaque surface returns in all, and as a mirror does."""
     match material.kind:
         case "diffuse":
@@ -72,11 +72,17 @@ def _returned(material: Material) -> tuple[float, float]:
     return 0.0, 0.0
 
 
-def _left_out(bodies: tuple[Body, ...]) -> Iterator[str]:
+def blackened(bodies: tuple[Body, ...]) -> Iterator[str]:
+    """A sentence on each body that light scatters through, which is not followed."""
     for body in bodies:
         if body.material.kind == "dielectric" and not is_pane(body.material):
             yield f"“{body.name}” is ground glass, which is taken as black here."
-        elif body.material.kind == "mirror" and body.material.roughness > 0:
+
+
+def _left_out(bodies: tuple[Body, ...]) -> Iterator[str]:
+    yield from blackened(bodies)
+    for body in bodies:
+        if body.material.kind == "mirror" and body.material.roughness > 0:
             yield f"“{body.name}” is a satin mirror, which is taken as a smooth one here."
 
 
