@@ -65,6 +65,15 @@ def test_sensors_inside_a_solid_and_those_that_look_down_are_said_once():
     assert not said(SKY, level("Ground", 9, 9, -0.1), receivers=(under,))
 
 
+def test_sensors_inside_many_bodies_are_said_in_one_sentence():
+    town = [box(f"House {k}", (0.2, 0.2, 2), (0.25 * k - 0.375, 0.125, 0)) for k in range(4)]
+    scene = Scene(tuple(town), (), (floor(8),))
+    (note,) = [n for n in study_radiation(scene, RECORD).meta["notes"] if "lie inside" in n]
+    assert "sensors lie inside 4 bodies, most of them in “House" in note
+    three = replace(scene, bodies=scene.bodies[:3])
+    assert sum("lie inside “House" in n for n in study_radiation(three, RECORD).meta["notes"]) == 3
+
+
 def turned(mesh, some):
     faces = mesh.faces.copy()
     faces[some] = faces[some, ::-1]
