@@ -17,6 +17,7 @@ _DUST = 1e-3  # of a texel: what covers less, and has no such neighbour, is not 
 _STEPS = 4  # texels that a sliver's light may go
 _SLACK = 1e-3  # of the map, or of the surface: what may be amiss
 _ROUNDED = 1e-5  # how far a coordinate may be outside 0..1
+_ANEW = "unwrap it anew or clear its UV map so that Heliform unwraps it."
 _AROUND = [(0, -1), (0, 1), (-1, 0), (1, 0), (-1, -1), (-1, 1), (1, -1), (1, 1)]
 
 
@@ -43,6 +44,7 @@ class Texels:
     face: NDArray[np.int32]
     home: NDArray[np.int32]
     inside: NDArray[np.bool_]
+    shared: float
 
     def gathered(self, amounts: Vector) -> Vector:
         """``amounts`` (rows, columns), such as flux in lm, each brought home; their sum stays."""
@@ -71,6 +73,7 @@ def texels(surface: Surface) -> Texels:
         order = order[area[order] > most[some.texel[order]]]  # of equals, the last one stays
         most[some.texel[order]] = area[order]
         face[some.texel[order]] = some.face[order]
+    shared = _claimed_twice(sums[1])
     home = _homes(sums[1].reshape(rows, columns), face, _charts(surface))
     moved = np.flatnonzero(home != np.arange(len(home)))
     for total in sums:
@@ -87,6 +90,7 @@ def texels(surface: Surface) -> Texels:
         face.reshape(shape),
         home.reshape(shape).astype(np.int32),
         ((area > 0) & (covered >= _DUST)).reshape(shape),
+        shared,
     )
 
 
@@ -193,7 +197,10 @@ def overlapping(surface: Surface) -> float:
     a side at least. Faces without area claim nothing.
     """
     sides = max(surface.columns, 512), max(surface.rows, 512)
-    claimed = coverage(surface.texture[_solid(_areas(surface.mesh)[0])], *sides)
+    return _claimed_twice(coverage(surface.texture[_solid(_areas(surface.mesh)[0])], *sides))
+
+
+def _claimed_twice(claimed: Vector) -> float:
     used = np.minimum(claimed, 1.0).sum()
     twice = np.clip(claimed - 1.0, 0.0, 1.0)
     return float(twice[twice > 1e-6].sum() / used) if used > 0 else 0.0
@@ -205,8 +212,21 @@ def require_chart(surface: Surface) -> None:
     That is: there is a surface, and the map has a place within 0..1 for each part of it, its own.
     Faces without area may have any; a thousandth may be amiss.
     """
+    _require_places(surface)
+    _require_own(surface, overlapping(surface))
+
+
+def charted(surface: Surface) -> Texels:
+    """The texels of a surface's map. Raises SceneError as `require_chart`; whether faces share a
+    place in the map is judged by its own texels, which costs nothing."""
+    _require_places(surface)
+    found = texels(surface)
+    _require_own(surface, found.shared)
+    return found
+
+
+def _require_places(surface: Surface) -> None:
     name = surface.name
-    anew = "unwrap it anew or clear its UV map so that Heliform unwraps it."
     areas, _ = _areas(surface.mesh)
     if not np.isfinite(areas).all():
         raise SceneError(
@@ -218,12 +238,12 @@ def require_chart(surface: Surface) -> None:
     solid = _solid(areas)
     areas, texture = areas[solid], surface.texture[solid]
     if not np.isfinite(texture).all():
-        raise SceneError(f"Receiver “{name}” has UVs that are not numbers; {anew}")
+        raise SceneError(f"Receiver “{name}” has UVs that are not numbers; {_ANEW}")
     low, high = texture.min(), texture.max()
     if low < -_ROUNDED or high > 1 + _ROUNDED:
         raise SceneError(
             f"Receiver “{name}” has UVs outside its map, from {low:.4g} to {high:.4g} "
-            f"where 0 to 1 is; scale them into it, or {anew}"
+            f"where 0 to 1 is; scale them into it, or {_ANEW}"
         )
     a, b, c = texture.transpose(1, 2, 0)
     twice = np.abs((b - a)[0] * (c - a)[1] - (c - a)[0] * (b - a)[1])
@@ -231,12 +251,15 @@ def require_chart(surface: Surface) -> None:
     if lost > _SLACK:
         raise SceneError(
             f"Receiver “{name}” has no place in its UV map for {_percent(lost)} of its surface; "
-            + anew
+            + _ANEW
         )
-    shared = overlapping(surface)
+
+
+def _require_own(surface: Surface, shared: float) -> None:
     if shared > _SLACK:
         raise SceneError(
-            f"Receiver “{name}” has overlapping UVs ({_percent(shared)} of its map); {anew}"
+            f"Receiver “{surface.name}” has overlapping UVs ({_percent(shared)} of its map); "
+            + _ANEW
         )
 
 

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import VERSION
-from ..core.atlas import texels
 from ..core.errors import SceneError
 from ..core.parameters import nested, param, to_table
 from ..core.progress import SILENT, Progress, part
@@ -222,10 +221,9 @@ def looking_down(scene: Scene, parts: Sequence[Sensors]) -> list[str]:
 def sensors_on(receiver: Receiver | Surface) -> Sensors:
     """The sensors of a receiver, with notes on a mesh that looks two ways or inward.
 
-    Raises SceneError where it has no area.
+    Raises SceneError where it has no area, or no place for each part of it in its map.
     """
-    covered = None if isinstance(receiver, Receiver) else texels(receiver)
-    sensors = of_receiver(receiver, covered)
+    sensors = of_receiver(receiver)
     if not len(sensors):
         raise SceneError(f"Receiver “{receiver.name}” has no area to measure on; give it faces.")
     if isinstance(receiver, Receiver):

@@ -6,8 +6,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.atlas import Texels, require_chart, spots, without_area
-from ..core.atlas import texels as texels_of
+from ..core.atlas import charted, spots, without_area
 from ..core.errors import ParameterError, SceneError
 from ..core.scene import Mesh, Receiver, Surface, Vector
 
@@ -171,15 +170,13 @@ def _middles(
     return np.einsum("fk,fki->fi", weights, corner), vector, total
 
 
-def of_receiver(
-    receiver: Receiver | Surface, texels: Texels | None = None, *, offset: float = OFFSET
-) -> Sensors:
+def of_receiver(receiver: Receiver | Surface, *, offset: float = OFFSET) -> Sensors:
     """A sensor at the middle of each of a receiver's texels, front first where both sides gather.
 
-    A mesh has them where its map shows something; ``texels`` may say so where it is known already.
-    They lie on it: where a texel is of several faces, on that with most of it, and look as that
-    does, so that no surface that bends hides its own sensors. How many faces have no area, and no
-    sensor, is in the notes. Raises SceneError where its map is none.
+    A mesh has them where its map shows something. They lie on it: where a texel is of several
+    faces, on that with most of it, and look as that does, so that no surface that bends hides its
+    own sensors. How many faces have no area, and no sensor, is in the notes. Raises SceneError
+    where its map is none.
     """
     if isinstance(receiver, Receiver):
         s = (np.arange(receiver.columns) + 0.5) / receiver.columns
@@ -191,9 +188,7 @@ def of_receiver(
         areas = np.full(count, receiver.texel_area)
         notes: tuple[str, ...] = ()
     else:
-        if texels is None:
-            require_chart(receiver)
-            texels = texels_of(receiver)
+        texels = charted(receiver)
         home = np.flatnonzero(texels.inside)
         points, normals = spots(receiver, texels)
         areas = texels.area.ravel()[home]

@@ -174,3 +174,20 @@ def test_faces_without_area_have_no_texel_and_are_said():
     mesh = Mesh(vertices, np.array([[0, 1, 3], [0, 1, 2], [2, 2, 1]], np.int32))
     some = of_receiver(Surface("Roof", mesh, vertices[mesh.faces][..., :2] / 2, 4, 4, "both"))
     assert some.notes == ("“Roof”: 2 faces have no area and no sensor.",)
+
+
+@pytest.mark.parametrize("texels", [4, 16, 300])
+def test_a_map_whose_faces_share_their_place_is_refused(texels):
+    """As a mirror modifier leaves them: half the faces would have no sensor of their own."""
+    mesh = box("Box", (1, 1, 1), (0, 0, 0)).mesh.triangles()
+    texture = np.tile(np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1.0]]]), (6, 1, 1))
+    with pytest.raises(SceneError, match=r"“Box” has overlapping UVs \(100 % of its map\)"):
+        of_receiver(Surface("Box", mesh, texture, texels, texels))
+    with pytest.raises(SceneError, match="“Box” has UVs outside its map"):
+        of_receiver(Surface("Box", mesh, texture + 1, texels, texels))
+
+
+def test_a_mesh_without_faces_is_refused():
+    nothing = Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int32))
+    with pytest.raises(SceneError, match="“Nothing” has no area"):
+        of_receiver(Surface("Nothing", nothing, np.zeros((0, 3, 2)), 4, 4))
