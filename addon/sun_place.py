@@ -8,7 +8,7 @@ import numpy as np
 from mathutils import Vector
 
 from ..engines.core.errors import HeliformError
-from ..engines.sun.clear_sky import MONTHLY_TURBIDITY, ineichen_perez
+from ..engines.sun.clear_sky import ineichen_perez, monthly_turbidity
 from ..engines.sun.extraterrestrial import extraterrestrial
 from ..engines.sun.position import sun_position
 from ..engines.sun.read_weather import read_weather
@@ -42,7 +42,7 @@ def site_of(scene: bpy.types.Scene) -> Site:
 
 
 def take_site(scene: bpy.types.Scene) -> None:
-    """Where another weather file was chosen, take the place that it is of; north stays.
+    """Where another weather file was chosen, take the place that it is of; north and air stay.
 
     What is wrong with the file is kept for `weather_problem`.
     """
@@ -53,7 +53,8 @@ def take_site(scene: bpy.types.Scene) -> None:
     try:
         if chosen:
             there = read_weather(bpy.path.abspath(chosen)).site
-            site = replace(there, north=site_of(scene).north)
+            ours = site_of(scene)
+            site = replace(there, north=ours.north, turbidity=ours.turbidity)
             write(scene.heliform.radiation.site, site, scale_of(scene))
     except HeliformError as error:
         problem = str(error)
@@ -74,7 +75,7 @@ def sun_now(scene: bpy.types.Scene) -> SunNow:
     _, direct, _ = ineichen_perez(
         sun.apparent_altitude,
         extraterrestrial(times),
-        MONTHLY_TURBIDITY[own.sun_month - 1],
+        monthly_turbidity(site)[own.sun_month - 1],
         site.elevation,
     )
     up = sun.apparent_altitude[0] > 0

@@ -15,7 +15,7 @@ from ..addon.bridge import layers, sun, sun_sensor
 from ..addon.bridge.read import objects_of
 from ..engines.core.errors import FileError, SceneError
 from ..engines.sun import SUN_DAYLIGHT, SUN_RADIATION
-from . import FileWriting, ObjectMode, Reporting
+from . import FileWriting, ObjectMode, Reporting, in_object_mode
 from .run import RunAnalysis, open_report
 from .structure import view_under
 
@@ -178,6 +178,24 @@ class HELIFORM_OT_export_sun_hours(_OnStudy, FileWriting, Operator):
         return f"The hours are in “{path}”."
 
 
+class HELIFORM_OT_sun_to_vertices(_OnStudy, Operator):
+    """Write the shown map as an attribute of the vertices of receivers that are meshes"""
+
+    bl_idname = "heliform.sun_to_vertices"
+    bl_label = "Values to Vertices"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """Only with a study, in Object Mode."""
+        return super().poll(context) and in_object_mode(context)
+
+    def act(self, context: Context) -> str:
+        """Write it. Raises SceneError where a mesh is not what was measured on."""
+        names = ", ".join(f"“{name}”" for name in sun.values_to_vertices(context))
+        return f"The vertices of {names} have the attribute “{context.scene.heliform.sun_map}”."
+
+
 class HELIFORM_OT_clear_sun(_OnStudy, Operator):
     """Take the study off the receivers; the views show again what they did before"""
 
@@ -228,6 +246,7 @@ register, unregister = bpy.utils.register_classes_factory(
         HELIFORM_OT_add_sun_lamp,
         HELIFORM_OT_open_sun_report,
         HELIFORM_OT_export_sun_hours,
+        HELIFORM_OT_sun_to_vertices,
         HELIFORM_OT_clear_sun,
     )
 )

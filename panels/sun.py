@@ -93,6 +93,7 @@ class HELIFORM_PT_sun_result(_Part, Panel):
         _draw_figures(layout, context, facts)
         row = layout.row(align=True)
         row.operator("heliform.export_sun_hours", icon="EXPORT")
+        row.operator("heliform.sun_to_vertices", text="", icon="VERTEXSEL")
         row.operator("heliform.open_sun_report", text="", icon="URL")
         row.operator("heliform.clear_sun", text="", icon="X")
         row = layout.row(align=True)
@@ -204,18 +205,31 @@ def _draw_period(layout: UILayout, period: Any) -> None:
 
 
 def _draw_figures(layout: UILayout, context: Context, facts: dict[str, Any]) -> None:
-    """The means of each map on the active receiver, or on the first."""
+    """The means of each map and the figures of the active receiver, or of the first."""
     receivers = sun.staged_on(context.scene)
     shown = context.object if context.object in receivers else receivers[0]
     box = layout.box().column(align=True)
     draw_row(box, "Receiver", shown.name)
     for name, (title, unit) in facts["quantities"].items():
         draw_row(box, title, f"{_number(sun.mean_on(shown, name))} {unit}")
-    for name, figure in facts["figures"].items():
-        if name.partition("_")[0] not in _OF_MAPS and "." not in name:
+    names = [sun.name_in_study(receiver) for receiver in receivers]
+    own = own_figures(facts["figures"], sun.name_in_study(shown), names)
+    for name, figure in own.items():
+        if name.partition("_")[0] not in _OF_MAPS:
             draw_row(box, _label(name), f"{_number(figure['value'])} {figure['unit']}")
     draw_row(box, "Period", facts["period"])
     draw_row(box, "Weather", facts["source"])
+
+
+def own_figures(figures: dict[str, Any], receiver: str, receivers: list[str]) -> dict[str, Any]:
+    """A receiver's own figures, without its name; where it is the only one, they have none."""
+    longer = tuple(f"{r}." for r in receivers if r.startswith(f"{receiver}."))
+    own = {
+        name.removeprefix(f"{receiver}."): figure
+        for name, figure in figures.items()
+        if name.startswith(f"{receiver}.") and not name.startswith(longer)
+    }
+    return own or (figures if len(receivers) == 1 else {})
 
 
 def _label(name: str) -> str:

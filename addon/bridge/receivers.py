@@ -5,7 +5,7 @@ made anew where the mesh or the resolution has changed since.
 """
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import bpy
@@ -125,36 +125,52 @@ def _key(block: bpy.types.Mesh, resolution: int) -> str:
 def values_to_vertices(context: bpy.types.Context, picture: bpy.types.Image) -> str:
     """Write the map that is shown as a float attribute of its receiver's vertices; its name.
 
-    Raises SceneError where the receiver is gone, no mesh, not what it was when it was traced, or
-    has vertices of its modifiers' making.
+    Raises SceneError where the receiver is gone, and as `onto_vertices`.
     """
     owner = results.owner_of(picture)
     if owner is None or owner.name not in context.scene.objects:
         raise SceneError(f"The receiver of “{picture.name}” is gone; trace photons onto another.")
+    result, name = results.staged(picture), picture.heliform_map
+    side = f" {result.meta['side']}" if "side" in result.meta else ""
+    onto_vertices(context, owner, result.area, {name + side: getattr(result, name)})
+    return name + side
+
+
+def onto_vertices(
+    context: bpy.types.Context,
+    owner: bpy.types.Object,
+    area: NDArray[np.floating],
+    maps: Mapping[str, NDArray[np.floating]],
+) -> None:
+    """Write maps (rows, columns) as float attributes of the receiver's vertices, by their names.
+
+    ``area`` (rows, columns) m² tells whether it is the surface still that the maps are of. Raises
+    SceneError where it is not, is no mesh, or has vertices of its modifiers' making.
+    """
     depsgraph = context.evaluated_depsgraph_get()
     surface = read_receiver(owner, depsgraph, scale_of(context.scene))
-    result = results.staged(picture)
-    rows, columns = result.area.shape
-    changed = f"“{owner.name}” has changed since it was traced; trace photons again."
+    changed = SceneError(f"“{owner.name}” has changed since; measure on it again.")
     if not isinstance(surface, Surface):
-        raise SceneError(changed)
-    surface = replace(surface, columns=columns, rows=rows)
+        raise changed
+    surface = replace(surface, columns=area.shape[1], rows=area.shape[0])
     found = texels(surface)
-    if not np.allclose(found.area, result.area, rtol=_SAME, atol=_SAME * result.area.max()):
-        raise SceneError(changed)
-    name = picture.heliform_map
-    values = at_vertices(surface, getattr(result, name).astype(np.float64), found)
-    if len(values) != len(owner.data.vertices):
-        raise SceneError(
-            f"The modifiers of “{owner.name}” make other vertices than its own; apply them first."
-        )
-    attributes = owner.data.attributes
-    side = f" {result.meta['side']}" if "side" in result.meta else ""
-    present = attributes.get(name + side)
-    if present and (present.data_type, present.domain) != ("FLOAT", "POINT"):
-        attributes.remove(present)
-        present = None
-    present = present or attributes.new(name + side, "FLOAT", "POINT")
-    present.data.foreach_set("value", values.astype(np.float32))
+    if not np.allclose(found.area, area, rtol=_SAME, atol=_SAME * area.max()):
+        raise changed
+    for name, values in maps.items():
+        there = at_vertices(surface, values.astype(np.float64), found)
+        if len(there) != len(owner.data.vertices):
+            raise SceneError(
+                f"The modifiers of “{owner.name}” make other vertices than its own; apply them "
+                "first."
+            )
+        _attribute(owner.data, name).data.foreach_set("value", there.astype(np.float32))
     owner.data.update()
-    return name + side
+
+
+def _attribute(block: bpy.types.Mesh, name: str) -> bpy.types.Attribute:
+    """The mesh's float attribute of that name on its vertices, in place of any other of it."""
+    present = block.attributes.get(name)
+    if present and (present.data_type, present.domain) != ("FLOAT", "POINT"):
+        block.attributes.remove(present)
+        present = None
+    return present or block.attributes.new(name, "FLOAT", "POINT")

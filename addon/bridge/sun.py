@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...engines.core.analysis import Analysis
 from ...engines.core.colour import ColourScale, Display
 from ...engines.core.errors import HeliformError, SceneError
-from ...engines.core.scene import Body, Scene
+from ...engines.core.scene import Body, Scene, Surface
 from ...engines.light.drawing import shown
 from ...engines.sun.drawing import scale_of as colour_scale_of
 from ...engines.sun.maps import SunMap, SunMaps
@@ -27,7 +27,7 @@ from ..properties import parameters, read, scale_of, write
 from ..staging import Gathered, Objects, Staging
 from . import layers, results, shading
 from .read import body_material, objects_of, read_mesh, read_receiver
-from .receivers import unwrap_receivers
+from .receivers import onto_vertices, unwrap_receivers
 
 _FACTS, _MAPS = "heliform_sun", "heliform_sun_maps"
 _MARKS = "heliform_sun_marks"
@@ -151,7 +151,8 @@ def _keep(obj: bpy.types.Object, one: SunMap) -> None:
         obj, {(k, side) for k in (*kinds, _AREA, results.PICTURE) for side in sides}
     )
     means = {name: one.mean(name) for name in names}
-    obj[_MAPS] = json.dumps({"kinds": kinds, "sides": list(sides), "means": means})
+    kept = {"receiver": one.receiver, "kinds": kinds, "sides": list(sides), "means": means}
+    obj[_MAPS] = json.dumps(kept)
 
 
 def say(scene: bpy.types.Scene, **facts: Any) -> None:
@@ -194,6 +195,11 @@ def mean_on(obj: bpy.types.Object, name: str) -> float:
     return _kept(obj)["means"].get(name, float("nan"))
 
 
+def name_in_study(obj: bpy.types.Object) -> str:
+    """What its study calls a receiver, whose object may have been renamed since."""
+    return _kept(obj).get("receiver", obj.name)
+
+
 def map_on(obj: bpy.types.Object) -> SunMap:
     """The maps of a receiver, from its images. Raises SceneError where they are gone."""
     kept = _kept(obj)
@@ -217,6 +223,28 @@ def _values(
         pixels = results.pixels_of(image)
         found |= {name: pixels[..., index] for index, name in enumerate(names)}
     return found
+
+
+def values_to_vertices(context: bpy.types.Context) -> list[str]:
+    """Write the shown map onto the vertices of the receivers that are meshes; their names.
+
+    The attribute is called as the map, "total" or "sun_hours front". Raises SceneError where there
+    is no such receiver, and as `receivers.onto_vertices`.
+    """
+    name = context.scene.heliform.sun_map
+    depsgraph, scale = context.evaluated_depsgraph_get(), scale_of(context.scene)
+    meshes = [
+        obj
+        for obj in staged_on(context.scene)
+        if isinstance(read_receiver(obj, depsgraph, scale), Surface)
+    ]
+    if not meshes:
+        raise SceneError("Only a receiver that is a mesh of its own takes values on its vertices.")
+    for obj in meshes:
+        one = map_on(obj)
+        named = {f"{name} {side}".strip(): maps[name] for side, maps in one.sides()}
+        onto_vertices(context, obj, one.area, named)
+    return [obj.name for obj in meshes]
 
 
 # What is shown

@@ -10,9 +10,9 @@ from ...engines.core.analysis import Analysis
 from ...engines.core.colour import Display, scale_for
 from ...engines.core.scene import Receiver, Scene
 from ...engines.sun import SUN_DAYLIGHT, SUN_RADIATION
-from ...engines.sun.daylight import surfaces_of
 from ...engines.sun.maps import SunMaps
 from ...engines.sun.occlusion import bodies_of
+from ...engines.sun.rooms import surfaces_of
 from ...engines.sun.temporal import temporal_map, temporal_picture
 from ..properties import read, scale_of
 from ..staging import Gathered, Objects, Staging

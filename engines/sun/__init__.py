@@ -1,14 +1,15 @@
 """Sun and sky: where the sun stands, what the weather lets through, and what it lights."""
 
-from ..core.analysis import Analysis
+from ..core.analysis import Analysis, Form
 from ..core.unwrap import unwrap
+from .box import Box, box_mesh
 from .daylight import Daylight, study_daylight
 from .drawing import draw
 from .live import LiveSun
 from .maps import QUANTITIES, SunMap, SunMaps
 from .radiation import Radiation, study_radiation
 
-FORMS = ()
+FORMS = (Form("sun.box", Box, box_mesh),)
 SUN_RADIATION = Analysis(
     "sun.radiation",
     Radiation,
@@ -29,6 +30,7 @@ __all__ = [
     "QUANTITIES",
     "SUN_DAYLIGHT",
     "SUN_RADIATION",
+    "Box",
     "Daylight",
     "LiveSun",
     "Radiation",

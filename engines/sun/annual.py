@@ -29,7 +29,7 @@ def year_of(
     share = 0.1 if interior.veiled else 0.0
     closed = closed_in(interior, course, part(progress, 0.0, share))
     summing = Summing(interior, course, hours, closed, asked)
-    for rows in blocks(len(sensors), course.dome.count):
+    for rows in blocks(len(sensors), course.dome.count + len(course.scattered.directions)):
         step = (1 - share) / len(sensors)
         within = part(progress, share + step * rows.start, share + step * rows.stop)
         summing.add(rows, seed, within)

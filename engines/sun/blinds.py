@@ -1,9 +1,10 @@
 """Blinds that close against the sun, as LM-83 has them for spatial daylight autonomy.
 
-All panes have them, and they move together: closed in an hour in which the sun alone gives more
-than 1000 lx to more than 2 % of the area, else open [LM-83-12, 2.2.6]. Closed, they are a screen
-behind the pane that scatters by the cosine law what it lets through; the sun does not shine
-through it. What the screen throws back is left out.
+All panes have them, and for the light on one receiver they move together: closed in an hour in
+which sun through panes gives more than 1000 lx to more than 2 % of that receiver's front, else open
+[LM-83-12, 2.2.6, which closes the panes of one façade at a time]. Closed, they are a screen behind
+the pane that scatters by the cosine law what it lets through; the sun does not shine through it.
+What the screen throws back is left out.
 """
 
 from dataclasses import replace
@@ -22,7 +23,7 @@ MOST_AREA = 0.02
 def sunny_area(direct: Light, areas: Vector) -> Vector:
     """The area (T,) that has more than 1000 lx from the sun, hour by hour; `closed` takes shares.
 
-    ``direct`` (N, T) in lx through open blinds, ``areas`` (N,).
+    ``direct`` (N, T) in lx through panes, their blinds open, ``areas`` (N,).
     """
     return (areas.astype(np.float32) @ (direct > SUNNY)).astype(np.float64)
 

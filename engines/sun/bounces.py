@@ -1,10 +1,11 @@
-"""Daylight's paths, traced backwards: from a sensor off matte and shiny surfaces to the sky.
+"""Daylight's paths, traced backwards: from a sensor off matte and shiny surfaces to sky and suns.
 
 A sensor's rays start by the cosine law. A matte surface scatters a ray by the same law, so that a
 path's weight is nothing but the product of what its surfaces return and its panes let through
-[Veach 1997, 8.2]; where it escapes, it has found that much of that patch of the sky. A surface
-returns light on both of its sides, by its face and not by smooth normals. Panes are crossed
-straight, as `panes` says; what they throw back is left out.
+[Veach 1997, 8.2]; where it escapes, it has found that much of that patch of the sky, and wherever
+it is scattered, a shadow ray looks for the sun. A surface returns light on both of its sides, by
+its face and not by smooth normals. Clear panes are crossed straight, as `panes` says, ground ones
+scatter what clear ones would let through; what they throw back is left out.
 """
 
 from dataclasses import dataclass
@@ -15,14 +16,10 @@ from numpy.typing import NDArray
 
 from ..core import runtime
 from ..core.scene import Vector
-from . import panes
-from .patches import rows_of
-from .site import Site, to_world
-from .soup import CLOSE
-from .surroundings import RECORD, Surroundings
-
-_LONGEST = 256
-"""Surfaces, panes among them, that a path may meet."""
+from .dome import Dome, escaped_to
+from .meeting import LONGEST, meet
+from .shadow_rays import Aims, Scattered, Shadows
+from .surroundings import Surroundings
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,33 +33,36 @@ class Start:
 
 
 @dataclass(frozen=True, slots=True)
-class Dome:
-    """The patches that paths escape to: Reinhart's of ``subdivision``, and the ground as the last;
-    they stand to the model as ``site`` has it."""
+class Found:
+    """What n sensors find, each as the mean over its paths.
 
-    subdivision: int
-    site: Site
+    ``patches`` (n, 3, P) in lx for 1 cd/m² of the dome's P patches: what comes straight, is
+    scattered last, and is mirrored last; all are π together under an open sky. ``suns`` (n, S) in
+    lx for 1 lx normal to each of the S suns that are aimed at: what is scattered last.
+    ``given_up`` (n,): the weight of paths where they were given up, 0..1; among surfaces that are
+    as bright as the sensor it is the share of light that is missing.
+    """
 
-    @property
-    def rows(self) -> tuple[int, ...]:
-        """Patches in each row of altitude."""
-        return rows_of(self.subdivision)
-
-    @property
-    def count(self) -> int:
-        """Of patches, with the ground."""
-        return sum(self.rows) + 1
+    patches: Vector
+    suns: Vector
+    given_up: Vector
 
 
-def escapes(
-    around: Surroundings, start: Start, dome: Dome, bounces: int, veil: float, key: int
-) -> Vector:
-    """What n sensors find on the dome's P patches: straight, and scattered on the way (n, 2, P).
+def follow(
+    around: Surroundings,
+    start: Start,
+    dome: Dome,
+    bounces: int,
+    veil: float,
+    key: int,
+    aims: Aims | None = None,
+) -> Found:
+    """What paths from n sensors find on the dome and, where there are ``aims``, of the suns.
 
-    Each is the mean over the sensor's paths of their weights, 0..1: all would be 1 together under
-    an open sky. A path is given up at the surface after ``bounces`` reflections. Where ``veil`` is
-    above 0, a screen hangs behind the first of any panes in a row: it lets that share through and
-    scatters it by the cosine law. The same ``key`` gives the same paths.
+    A path is given up at the surface after ``bounces`` reflections. Where ``veil`` is above 0, a
+    screen hangs behind the first of any panes in a row: it lets that share through and scatters it
+    by the cosine law. What is mirrored last finds no suns, as no ray can be aimed by a mirror.
+    The same ``key`` gives the same.
     """
     mi = runtime.mitsuba()
     import drjit as dr
@@ -93,29 +93,34 @@ def escapes(
         bounces=dr.zeros(mi.UInt32, lanes),
         met=dr.zeros(mi.UInt32, lanes),
         veiled=dr.zeros(mi.Bool, lanes),
+        mirrored=dr.zeros(mi.Bool, lanes),
+        given_up=dr.zeros(mi.Float, lanes),
         active=dr.full(mi.Bool, True, lanes),
         random=random,
     )
+    shadows = Shadows(aims, count, row, across, along, key) if aims else None
     if around.soup.scene is not None:
-        reach = max(around.soup.reach, float(np.abs(start.origins).max(initial=0.0)))
-        rules = _Rules(
-            dr.opaque(mi.Float, 2 * CLOSE * reach),
-            dr.opaque(mi.UInt32, bounces),
-            dr.opaque(mi.Float, veil),
-        )
+        rules = _Rules(dr.opaque(mi.UInt32, bounces), dr.opaque(mi.Float, veil))
         (path,) = dr.while_loop(
             (path,),
             lambda p: p.active,
-            lambda p: (_step(p, around, rules),),
+            lambda p: (_step(p, around, rules, shadows),),
             label="daylight",
         )
-    column = row * (2 * dr.opaque(mi.UInt32, dome.count)) + _patch(path.direction, dome)
-    column += dr.select((path.bounces > 0) | path.veiled, dr.opaque(mi.UInt32, dome.count), 0)
+    patches = dr.opaque(mi.UInt32, dome.count)
+    kind = dr.select((path.bounces > 0) | path.veiled, mi.UInt32(1), 0)
+    kind = dr.select(path.mirrored, 2, kind)
+    column = (row * 3 + kind) * patches + escaped_to(path.direction, dome)
     weight = (path.s + path.p) / 2
-    dr.eval(column, weight)
-    size = 2 * dome.count * count
-    found = np.bincount(np.asarray(column), np.asarray(weight), size) / strata**2
-    return found.reshape(count, 2, dome.count)
+    dr.eval(column, weight, path.given_up)
+    size = 3 * dome.count * count
+    found = np.bincount(np.asarray(column), np.asarray(weight), size)
+    found *= np.pi / strata**2
+    return Found(
+        found.reshape(count, 3, dome.count),
+        shadows.found(strata**2) if shadows else np.zeros((count, 0)),
+        np.asarray(path.given_up).reshape(count, -1).mean(axis=1, dtype=np.float64),
+    )
 
 
 @dataclass
@@ -123,7 +128,9 @@ class _Path:
     """The state that travels through the loop, a path a lane.
 
     ``s`` and ``p`` are what is left of light polarised either way, ``behind`` how far in m it is
-    past the last surface of glass; ``met`` counts surfaces.
+    past the last surface of glass; ``met`` counts surfaces. ``veiled``: whether it has come through
+    a screen or ground glass since the last opaque surface, ``mirrored``: whether the last to turn
+    it was a mirror. ``given_up``: what was left where it was given up.
     """
 
     origin: Any
@@ -134,104 +141,74 @@ class _Path:
     bounces: Any
     met: Any
     veiled: Any
+    mirrored: Any
+    given_up: Any
     active: Any
     random: Any
 
 
 @dataclass(frozen=True, slots=True)
 class _Rules:
-    """On the device: the step in m off a surface, the most bounces, and the screen."""
+    """On the device: the most bounces, and the screen."""
 
-    step: Any
     bounces: Any
     veil: Any
 
 
-def _step(path: _Path, around: Surroundings, rules: _Rules) -> _Path:
+def _step(path: _Path, around: Surroundings, rules: _Rules, shadows: Shadows | None) -> _Path:
     """From one surface to the next, or out."""
     mi = runtime.mitsuba()
     import drjit as dr
 
-    ray = mi.Ray3f(path.origin, path.direction)
-    hit = around.soup.scene.ray_intersect_preliminary(ray, coherent=False, active=path.active)
-    met = path.active & hit.is_valid()
-    record = dr.gather(
-        mi.ArrayXf, around.records, hit.prim_index, met, shape=(RECORD, dr.width(hit.t))
-    )
-    normal = mi.Vector3f(record[0], record[1], record[2])
-    along = dr.dot(path.direction, normal)
-    onward = dr.select(along > 0, normal, -normal)
-    pane = met & (record[3] > 0)
-    matte = met & ~pane
+    on = meet(around, path.origin, path.direction, path.behind, path.active)
+    onward = dr.select(on.along > 0, on.normal, -on.normal)
+    screens = on.leaves & ~path.veiled & (rules.veil > 0)
+    veiling = screens | on.diffuses
 
-    # A pane counts where the ray leaves it.
-    sheet = record[6] > 0
-    counts = pane & (sheet | (along > 0))
-    kept_s, kept_p = panes.slab(along, record[4], record[5], sheet, path.behind + hit.t)
-    veiling = counts & ~path.veiled & (rules.veil > 0)
-
-    ends = matte & (path.bounces >= rules.bounces)
-    shines = matte & (path.random.next_float32() < record[5])
-    scatters = (matte & ~shines) | veiling
+    ends = on.opaque & (path.bounces >= rules.bounces)
+    shines = on.opaque & (path.random.next_float32() < on.mirrored)
+    scatters = (on.opaque & ~shines) | veiling
     point = mi.Point2f(path.random.next_float32(), path.random.next_float32())
-    lobe = mi.Frame3f(dr.select(matte, -onward, onward)).to_world(
-        mi.warp.square_to_cosine_hemisphere(point)
-    )
+    outward = dr.select(on.opaque, -onward, onward)
+    lobe = mi.Frame3f(outward).to_world(mi.warp.square_to_cosine_hemisphere(point))
     direction = dr.select(scatters, lobe, path.direction)
-    direction = dr.select(shines, path.direction - 2 * along * normal, direction)
+    direction = dr.select(shines, path.direction - 2 * on.along * on.normal, direction)
 
     # Scattered light is no longer polarised.
-    mean = (path.s + path.p) / 2
-    returned = dr.select(ends, 0, mean * record[4])
-    through = dr.select(counts, kept_s, 1), dr.select(counts, kept_p, 1)
-    s, p = path.s * through[0], path.p * through[1]
-    screened = rules.veil * (s + p) / 2
+    returned = (path.s + path.p) / 2 * on.returned
+    given_up = path.given_up + dr.select(ends, returned, 0)
+    returned = dr.select(ends, 0, returned)
+    s, p = path.s * on.s, path.p * on.p
+    screened = dr.select(screens, rules.veil, 1) * (s + p) / 2
     s, p = dr.select(veiling, screened, s), dr.select(veiling, screened, p)
-    s, p = dr.select(matte, returned, s), dr.select(matte, returned, p)
-    number = path.met + dr.select(met, mi.UInt32(1), 0)
-    lost = met & (number >= _LONGEST)
+    s, p = dr.select(on.opaque, returned, s), dr.select(on.opaque, returned, p)
+    number = path.met + dr.select(on.met, mi.UInt32(1), 0)
+    lost = on.met & (number >= LONGEST)
     s, p = dr.select(lost, 0, s), dr.select(lost, 0, p)
 
-    place = path.origin + hit.t * path.direction
-    off = dr.select(matte, -rules.step * onward, rules.step * path.direction)
-    off = dr.select(veiling, rules.step * onward, off)
+    off = dr.select(scatters, on.step * outward, on.step * path.direction)
+    off = dr.select(shines, -on.step * onward, off)
+    origin = path.origin + on.distance * path.direction + off
+    veiled = (path.veiled | veiling) & ~on.opaque
+    goes_on = on.met & (s + p > 0)
+    if shadows:
+        scattered = Scattered(origin, outward, s, on.step, veiled, rules.veil)
+        event = 2 * path.bounces + dr.select(veiling, mi.UInt32(1), 0)
+        shadows.send(around, scattered, event, scatters & goes_on)
     return _Path(
-        origin=dr.select(met, place + off, path.origin),
-        direction=dr.select(met, direction, path.direction),
-        s=dr.select(met, s, path.s),
-        p=dr.select(met, p, path.p),
-        behind=dr.select(met, rules.step, path.behind),
-        bounces=path.bounces + dr.select(matte, mi.UInt32(1), 0),
+        origin=dr.select(on.met, origin, path.origin),
+        direction=dr.select(on.met, direction, path.direction),
+        s=dr.select(on.met, s, path.s),
+        p=dr.select(on.met, p, path.p),
+        behind=dr.select(on.met, on.step, path.behind),
+        bounces=path.bounces + dr.select(on.opaque, mi.UInt32(1), 0),
         met=number,
-        veiled=(path.veiled | veiling) & ~matte,
-        active=met & (s + p > 0),
+        veiled=veiled,
+        mirrored=(path.mirrored & ~scatters) | shines,
+        given_up=given_up,
+        active=goes_on,
         random=path.random,
     )
-
-
-def _patch(direction: Any, dome: Dome) -> Any:
-    """As `patches.patch_at`, on the device and of directions in the model's axes."""
-    mi = runtime.mitsuba()
-    import drjit as dr
-
-    rows = np.array(dome.rows, np.uint32)
-    height = np.pi / 2 / (len(rows) - 0.5)
-    first = mi.UInt32(np.cumsum(rows) - rows)
-    (cosine, sine, _), _, _ = to_world(np.eye(3), dome.site)
-    cosine, sine = dr.opaque(mi.Float, cosine), dr.opaque(mi.Float, -sine)
-    x = direction.x * cosine + direction.y * sine
-    y = direction.y * cosine - direction.x * sine
-    altitude = dr.atan2(direction.z, dr.hypot(x, y))
-    above = altitude >= 0
-    row = mi.UInt32(dr.select(above, altitude / dr.opaque(mi.Float, height), 0))
-    row = dr.minimum(row, dr.opaque(mi.UInt32, len(rows) - 1))
-    count = dr.gather(mi.UInt32, mi.UInt32(rows), row)
-    turn = dr.atan2(x, y) / dr.two_pi
-    turn += dr.select(turn < 0, 1, 0)
-    place = mi.UInt32(turn * mi.Float(count) + 0.5)
-    place = dr.select(place >= count, 0, place)
-    patch = dr.gather(mi.UInt32, first, row) + place
-    return dr.select(above, patch, dr.opaque(mi.UInt32, dome.count - 1))
 
 
 def _loaded(kind: Any, vectors: NDArray[np.float32]) -> Any:

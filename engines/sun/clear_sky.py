@@ -1,7 +1,7 @@
 """Sunlight under cloudless skies, by published models, and a whole year of it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,14 +106,14 @@ def clear_weather(
 ) -> Weather:
     """A year without a cloud at ``site``, by Ineichen and Perez's model.
 
-    Linke ``turbidity``: one for the year, twelve for the months, or None for MONTHLY_TURBIDITY,
-    turned by half a year south of the equator. 2 is very clean cold air, 3 clean warm air, 5 a
-    humid summer, 7 a polluted town. ``hours``: how long each interval is; a whole number makes up a
-    day. Temperature and dew point are unknown; pressure is the standard atmosphere's.
+    Linke ``turbidity``: one for the year, twelve for the months, or None for that of the site. 2 is
+    very clean cold air, 3 clean warm air, 5 a humid summer, 7 a polluted town. ``hours``: how long
+    each interval is; a whole number makes up a day. Temperature and dew point are unknown; pressure
+    is the standard atmosphere's.
 
     Raises ParameterError for a turbidity below 1, or for intervals that do not make up a day.
     """
-    months = _months(turbidity, site)
+    months = monthly_turbidity(site) if turbidity is None else _months(turbidity)
 
     def model(moments: NDArray[np.datetime64], sun: SunPosition) -> tuple[Vector, Vector, Vector]:
         local = moments + seconds(3600.0 * site.utc_offset)
@@ -122,7 +122,19 @@ def clear_weather(
         return ineichen_perez(sun.apparent_altitude, above, months[month], site.elevation)
 
     said = "monthly values" if np.ptp(months) else f"{months[0]:g}"
-    return _cloudless(site, year, hours, model, f"Clear sky, Ineichen–Perez, turbidity {said}")
+    found = _cloudless(site, year, hours, model, f"Clear sky, Ineichen–Perez, turbidity {said}")
+    note = f"The air's Linke turbidity is {_range_text(months)}, as it was set."
+    if turbidity is None and not site.turbidity:
+        note = (
+            f"The air's Linke turbidity is Boston's, {_range_text(months)}; set the site's where "
+            "the air is cleaner or more polluted."
+        )
+    return replace(found, notes=(*found.notes, note))
+
+
+def _range_text(months: Vector) -> str:
+    low, high = months.min(), months.max()
+    return f"{low:g}" if low == high else f"{low:g} to {high:g} by month"
 
 
 def clear_weather_bird(
@@ -170,9 +182,18 @@ def _cloudless(site: Site, year: int, hours: float, model, source: str) -> Weath
     )
 
 
-def _months(turbidity: float | Sequence[float] | None, site: Site) -> Vector:
-    if turbidity is None:
-        return np.roll(MONTHLY_TURBIDITY, 0 if site.latitude >= 0.0 else 6).astype(np.float64)
+def monthly_turbidity(site: Site) -> Vector:
+    """A site's Linke turbidity by month (12,).
+
+    Where the site does not say it, MONTHLY_TURBIDITY, turned by half a year south of the equator.
+    Raises ParameterError for one below 1.
+    """
+    if site.turbidity:
+        return _months(site.turbidity)
+    return np.roll(MONTHLY_TURBIDITY, 0 if site.latitude >= 0.0 else 6).astype(np.float64)
+
+
+def _months(turbidity: float | Sequence[float]) -> Vector:
     values = np.asarray(turbidity, np.float64)
     if values.shape not in ((), (12,)) or not np.all((values >= 1.0) & (values <= 20.0)):
         raise ParameterError(

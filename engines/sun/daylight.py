@@ -10,21 +10,22 @@ from numpy.typing import NDArray
 from .. import VERSION
 from ..core.parameters import nested, param, to_table
 from ..core.progress import SILENT, Progress, part
-from ..core.scene import Body, Material, Scene
-from .annual import light_at, year_of
-from .bounces import Dome
-from .daylight_figures import daylight_figures
+from ..core.scene import Scene
+from .annual import light_at
+from .daylight_figures import daylight_figures, exposure_date, is_annual, told_below
+from .dome import Dome
 from .hidden import unlit
 from .illuminance import Course, course_of
 from .interior import Interior
 from .maps import SunMap, SunMaps, quantities_of
 from .metrics import Light
-from .occlusion import mesh_of
-from .periods import Period, period_text, selected
+from .periods import Period, period_text, season_notes, selected
 from .position import sun_position
 from .radiation import areas_of, looking_down, sensors_in
-from .sensors import Sensors, joined
+from .rooms import mean_course, nearest, rooms_of, told_of, years_of
+from .sensors import Sensors
 from .site import Site
+from .sky_matrix import require_size
 from .summing import Year
 from .weather import Weather
 from .weights import weather_of
@@ -34,9 +35,11 @@ from .weights import weather_of
 class WorkingHours(Period):
     """Part of a year by the site's standard time; by default from 8 to 18 h, as LM-83 asks."""
 
-    first_hour: float = param(8.0, "h", 0.0, 24.0, "Hour of the day from which on it counts")
+    first_hour: float = param(
+        8.0, "h", 0.0, 24.0, "Hour from which on it counts, by standard time all year"
+    )
     last_hour: float = param(
-        18.0, "h", 0.0, 24.0, "Hour of the day up to which it counts; before the first, overnight"
+        18.0, "h", 0.0, 24.0, "Hour up to which, by standard time; before the first, overnight"
     )
 
 
@@ -82,6 +85,7 @@ def study_daylight(
     Bodies block, return and let through light as their materials say; receivers that reflect do so
     as matte surfaces, and those that do not are mere planes to measure on. With blinds, all that
     goes by the hour is with them, but for the hours of direct sun, which are without as LM-83 asks.
+    Each receiver is a place by itself: its sun closes its blinds, and it has figures of its own.
 
     Raises SceneError for a scene without a receiver, or with a body or a receiver that has no
     faces; ParameterError and FileError as `weather_of`, `selected` and `course_of` do;
@@ -90,15 +94,17 @@ def study_daylight(
     started = time.perf_counter()
     progress(0.0, "Reading the weather")
     course, counted, source = light_of(record)
-    annual = record.period.span == "year"
+    if is_annual(course, record):
+        exposure_date(course, record)
     parts = sensors_in(scene)
-    bodies = surfaces_of(scene)
-    interior = Interior(bodies, joined(*parts), record.blinds)
-    year = year_of(interior, course, counted, record, seed, part(progress, 0.05, 1.0))
-    maps = _maps(scene, parts, year)
-    figures, said = daylight_figures(maps, interior, course, year, record, annual)
-    notes = [*course.notes, *year.notes, *_notes(scene, record, interior), *said]
-    notes += unlit(interior.occluders, scene.receivers, parts, year.values["daylight_factor"])
+    rooms = rooms_of(scene, parts, record)
+    years = years_of(rooms, course, counted, record, seed, part(progress, 0.05, 1.0))
+    maps = _maps(scene, parts, years)
+    figures, said = daylight_figures(maps, rooms, course, years, record)
+    notes = [*course.notes, *season_notes(record.period, course.dome.site)]
+    notes += [*told_of(scene, rooms, years), *_notes(scene, record, rooms), *said]
+    factors = np.concatenate([year.values["daylight_factor"] for year in years])
+    notes += unlit(rooms[0].occluders, scene.receivers, parts, factors)
     meta: dict[str, Any] = {
         "kind": "daylight",
         "parameters": to_table(record),
@@ -108,7 +114,7 @@ def study_daylight(
         "suns": len(course.suns.directions),
         "patches": course.dome.count - 1,
         "accuracy": float(np.degrees(course.suns.accuracy)),
-        "paths": year.paths,
+        "paths": max(year.paths for year in years),
         "notes": list(dict.fromkeys([*notes, *looking_down(scene, parts)])),
         "version": VERSION,
         "figures": figures,
@@ -116,7 +122,8 @@ def study_daylight(
         "seed": seed,
         "seconds": time.perf_counter() - started,
     }
-    return SunMaps(maps, course.times[counted], {"illuminance": year.course[counted]}, meta)
+    mean = mean_course(rooms, years)[counted]
+    return SunMaps(maps, course.times[counted], {"illuminance": mean}, meta)
 
 
 def illuminance_at(
@@ -129,14 +136,14 @@ def illuminance_at(
 ) -> tuple[NDArray[np.datetime64], Light]:
     """The period's intervals (T,), UTC, and the illuminance (N, T) of a few sensors in lx.
 
-    For a picked place's hours. Blinds close as they do in the study of the whole scene. Raises what
-    `study_daylight` does.
+    For a picked place's hours. Blinds close as they do for the receiver that is nearest to them.
+    Raises what `study_daylight` does.
     """
     course, counted, _ = light_of(record)
     course = course.some(counted)
-    interior = Interior(surfaces_of(scene), joined(*sensors_in(scene)), record.blinds)
-    light = light_at(interior, course, sensors, record, seed, progress)
-    return course.times, light
+    parts = sensors_in(scene)
+    room = nearest(rooms_of(scene, parts, record), sensors)
+    return course.times, light_at(room, course, sensors, record, seed, progress)
 
 
 def light_of(record: Daylight) -> tuple[Course, NDArray[np.bool_], str]:
@@ -147,27 +154,17 @@ def light_of(record: Daylight) -> tuple[Course, NDArray[np.bool_], str]:
     weather, site = weather_of(record.site, record.weather_file)
     counted = selected(weather, record.period, site)
     mask = counted | _up(weather, site) if record.period.span == "year" else counted
+    dome = Dome(record.subdivision, site)
+    require_size(dome.count, int(np.count_nonzero(mask)))
     course = course_of(
         weather,
         site,
-        Dome(record.subdivision, site),
+        dome,
         mask,
         accuracy=record.accuracy,
         ground_reflectance=record.ground_reflectance,
     )
     return course, counted[mask], weather.source
-
-
-def surfaces_of(scene: Scene) -> tuple[Body, ...]:
-    """A scene's bodies, and those of its receivers that return light as matte ones."""
-    return (
-        *scene.bodies,
-        *(
-            Body(r.name, mesh_of(r), Material(kind="diffuse", reflectance=r.reflectance))
-            for r in scene.receivers
-            if r.reflectance > 0
-        ),
-    )
 
 
 def _up(weather: Weather, site: Site) -> NDArray[np.bool_]:
@@ -176,25 +173,25 @@ def _up(weather: Weather, site: Site) -> NDArray[np.bool_]:
     return sun_position(weather.times, site, **air).direction[:, 2] > 0
 
 
-def _maps(scene: Scene, parts: tuple[Sensors, ...], year: Year) -> tuple[SunMap, ...]:
-    maps, first = [], 0
-    for receiver, sensors in zip(scene.receivers, parts, strict=True):
-        rows = slice(first, first + len(sensors))
-        first = rows.stop
-        own: Any = {n: sensors.spread(v[rows].astype(np.float32)) for n, v in year.values.items()}
+def _maps(scene: Scene, parts: tuple[Sensors, ...], years: tuple[Year, ...]) -> tuple[SunMap, ...]:
+    maps = []
+    for receiver, sensors, year in zip(scene.receivers, parts, years, strict=True):
+        own: Any = {n: sensors.spread(v.astype(np.float32)) for n, v in year.values.items()}
         maps.append(SunMap(receiver.name, own, areas_of(receiver, sensors)))
     return tuple(maps)
 
 
-def _notes(scene: Scene, record: Daylight, interior: Interior) -> list[str]:
+def _notes(scene: Scene, record: Daylight, rooms: tuple[Interior, ...]) -> list[str]:
     """What a reader must know of how light was followed."""
     notes = []
-    planes = [r.name for r in scene.receivers if not r.reflectance]
+    planes = [
+        (r.name, room) for r, room in zip(scene.receivers, rooms, strict=True) if not r.reflectance
+    ]
     if planes:
-        names = ", ".join(f"“{name}”" for name in planes)
-        notes.append(
-            f"{names} only measure and block no light; give a floor or a roof its reflectance."
-        )
+        names = ", ".join(f"“{name}”" for name, _ in planes)
+        does = "measures and blocks" if len(planes) == 1 else "measure and block"
+        notes.append(f"{names} only {does} no light; give a floor or a roof its reflectance.")
+        notes += [note for plane in planes for note in told_below(*plane, record)]
     if record.ground_reflectance:
         notes.append(
             f"The ground is level, returns {100 * record.ground_reflectance:g} % of the light "
@@ -202,9 +199,10 @@ def _notes(scene: Scene, record: Daylight, interior: Interior) -> list[str]:
         )
     if record.bounces:
         notes.append(
-            f"Light is given up after {record.bounces} reflections; reflected sun comes from the "
-            f"sky's patches, {12 / record.subdivision:g}° wide."
+            f"Light is given up after {record.bounces} reflections; over long periods what "
+            "surfaces scatter of the sun comes from suns up to 6° around it, and mirrors show it "
+            f"on the sky's patches, {12 / record.subdivision:g}° wide."
         )
-    if record.blinds and not interior.veiled:
+    if record.blinds and not rooms[0].veiled:
         notes.append("No body is clear glass, so there are no blinds to close.")
     return notes

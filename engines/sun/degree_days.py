@@ -80,8 +80,8 @@ def daily_means(
     known = np.isfinite(weather.temperature)
     if not known.any():
         raise ParameterError(
-            f"The weather of {weather.source} holds no temperatures to find its seasons from; name "
-            "the months instead, or take a weather file that has them."
+            f"The weather of {weather.source} holds no temperatures to find its seasons from; give "
+            "the season's dates instead, or take a weather file that has them."
         )
     hours = np.where(known, weather.hours, 0.0)
     length = np.bincount(which, hours, len(days))

@@ -68,6 +68,8 @@ def sunlight_hours(
 ) -> Vector:
     """Hours of possible sun (N,) on a date (year, month, day), however cloudy.
 
+    For EN 17037 the sensors are `openings.reference_points`.
+
     Counted every five minutes while the sun is ``lowest`` degrees up or more, in front of the
     sensors, be it through panes. Raises ParameterError for no such day, RuntimeMissing, Cancelled.
     """

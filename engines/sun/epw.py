@@ -66,8 +66,6 @@ def _location(lines: Sequence[str], name: str) -> tuple[str, Site]:
             f"“{name}” is not an EPW file: its first line should begin with LOCATION, not "
             f"“{first[:30]}”."
         )
-    if ";" in first and "," not in first:
-        raise FileError(f"“{name}” is separated by semicolons; save it with commas.")
     fields = [field.strip().strip('"') for field in first.split(",")]
     while fields and not fields[-1]:
         fields.pop()

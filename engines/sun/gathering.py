@@ -67,8 +67,9 @@ def gather(
         arriving += some
         any_seen[rows, 0] = seen.seen.any(axis=1)
         dark[rows] = skyless(seen.seen, sources.directions)
-    found = blind(occluders, rays_of(occluders, sensors, sources.directions), any_seen)
-    notes = (*sensors.notes, *found.told(), *panes.told(occluders.panes))
+    fan = rays_of(occluders, sensors, sources.directions)
+    found = blind(occluders, fan, any_seen)
+    notes = (*sensors.notes, *fan.told(), *found.told(), *panes.told(occluders.panes))
     direct, diffuse, hours = out
     return Gathered(direct, diffuse, hours, arriving, dark, notes)
 

@@ -77,34 +77,39 @@ def hourly_skies(
         water = precipitable_water(weather.dew_point)
         diffuse = diffuse * diffuse_efficacy(sky, water)
         direct = direct * direct_efficacy(sky, water)
-    chosen = slice(None) if selected is None else selected
+    chosen = np.ones(len(altitude), bool) if selected is None else selected
     return HourlySkies(
         sky.skies[chosen],
         diffuse[chosen],
         at.direction[chosen],
         direct[chosen],
         weather.hours[chosen],
-        _notes(weather, altitude, quantity),
+        _notes(weather, altitude, quantity, chosen),
     )
 
 
-def _notes(weather: Weather, altitude: Vector, quantity: Quantity) -> tuple[str, ...]:
-    """What a user should know of the whole weather's light."""
+def _notes(
+    weather: Weather, altitude: Vector, quantity: Quantity, chosen: NDArray[np.bool_]
+) -> tuple[str, ...]:
+    """What a user should know of the light of the ``chosen`` (T,) intervals."""
     notes = []
-    lost = (altitude <= 0) & (weather.direct_normal > 0)
+    if not np.any(altitude[chosen] > 0):
+        notes.append("The sun is never above the horizon in the period: it gives no direct light.")
+    lost = chosen & (altitude <= 0) & (weather.direct_normal > 0)
     if lost.any():
         energy = float(weather.direct_normal[lost] @ weather.hours[lost]) / 1000
         notes.append(
             f"The sun is below the horizon in the middle of {int(lost.sum())} intervals with "
             f"direct light: {energy:.3g} kWh/m² normal to it are left out."
         )
-    night = (altitude < _NIGHT) & (weather.global_horizontal > 0)
+    night = chosen & (altitude < _NIGHT) & (weather.global_horizontal > 0)
     if night.any():
         notes.append(
             f"{int(night.sum())} intervals of “{weather.source}” have daylight with the sun more "
-            f"than {-_NIGHT:g}° below the horizon: check the site's longitude and UTC offset."
+            f"than {-_NIGHT:g}° below the horizon: check the latitude, longitude and UTC offset of "
+            "the site."
         )
-    dry = int(np.isnan(weather.dew_point).sum())
+    dry = int(np.isnan(weather.dew_point[chosen]).sum())
     if quantity == "light" and dry:
         notes.append(f"{dry} intervals have no dew point: {DEW_POINT:g} °C is taken for them.")
     return tuple(notes)

@@ -1,9 +1,9 @@
-"""Illuminance hour by hour: coefficients times the sky's luminances, and the sun by itself.
+"""Illuminance hour by hour: coefficients times the sky's luminances and the suns' light.
 
-The sky's light and all that is reflected come through the coefficients, the sun's reflected light
-with them: there the sun is spread over the four nearest patches, which moves its spot on the first
-surface by up to a patch's width, 12° over the subdivision. What the sun gives straight is traced
-to where it stands [as Bourgeois et al. 2008, and the two-phase method with direct sun].
+What the sun gives straight is traced to where it stands; what surfaces scatter of it has its own
+coefficients, of suns where it stands or near, as `scattered_suns` says [after Bourgeois et al.
+2008, and the two-phase method with direct sun]. Only in a mirror it is spread over the four nearest
+patches of the sky, which moves it by up to a patch's width, 12° over the subdivision.
 """
 
 from dataclasses import dataclass, replace
@@ -13,16 +13,18 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from ..core.scene import Vector
-from .bounces import Dome
 from .cie_sky import OVERCAST, cie_sky
 from .coefficients import Coefficients, open_patches
-from .hourly import hourly_skies
+from .dome import Dome
+from .hourly import HourlySkies, hourly_skies
 from .metrics import Light
 from .occlusion import Occluders
 from .patches import patch_at, patches_of
+from .scattered_suns import scattered_suns
 from .sensors import Sensors
+from .shadow_rays import Aims, aims_at
 from .site import Site, to_model
-from .sky import Suns
+from .sky import Patches, Suns
 from .sky_matrix import ground_radiance, matrix_blocks, on_patches
 from .suns import merged_suns
 from .visibility import visible
@@ -37,14 +39,16 @@ class Course:
     """T intervals of daylight on a dome of P patches, the ground the last.
 
     ``sky`` (P, T) float32 in cd/m² without the sun; ``spread`` (P, T), sparse: the sun's light on
-    patches. ``suns``: where it comes from in the world; ``direct`` (T,) in lx normal to it.
-    ``hours`` (T,) and ``times`` (T,), UTC: how long each interval is, and its middle.
+    patches, for mirrors. ``suns``: where it comes from in the world, ``scattered``: S of them for
+    what is scattered; ``direct`` (T,) in lx normal to it. ``hours`` (T,) and ``times`` (T,), UTC:
+    how long each interval is, and its middle.
     """
 
     dome: Dome
     sky: NDArray[np.float32]
     spread: csr_array
     suns: Suns
+    scattered: Suns
     direct: Vector
     hours: Vector
     times: NDArray[np.datetime64]
@@ -58,28 +62,46 @@ class Course:
 
     def some(self, which: NDArray[np.bool_] | NDArray[np.int64]) -> "Course":
         """The intervals that ``which`` selects."""
-        assert self.suns.weights is not None
         return replace(
             self,
             sky=self.sky[:, which],
             spread=self.spread[:, which],
-            suns=replace(self.suns, weights=self.suns.weights[:, which]),
+            suns=_some(self.suns, which),
+            scattered=_some(self.scattered, which),
             direct=self.direct[which],
             hours=self.hours[which],
             times=self.times[which],
         )
 
     def luminances(self, weights: Vector) -> Vector:
-        """Σ over the intervals by ``weights`` (T, K), as `coefficients.Sought` has it (2, P, K)."""
+        """Σ over the intervals by ``weights`` (T, K), as `coefficients.Sought` has it (3, P, K)."""
         plain = self.sky @ weights
-        return np.stack([plain, plain + self.spread @ weights])
+        return np.stack([plain, plain, plain + self.spread @ weights])
+
+    def normal(self, weights: Vector) -> Vector:
+        """Σ of the light of each of the ``scattered`` suns (S, K), as `Sought` has it, likewise."""
+        return self._shares @ (self.direct[:, None] * weights)
+
+    def aims(self, light: Vector, which: NDArray[np.bool_]) -> Aims | None:
+        """Aims by their ``light`` (S,) at ``scattered`` suns of the intervals ``which`` (T,)."""
+        asked = self.normal(which.astype(np.float64)[:, None])[:, 0] > 0
+        return aims_at(to_model(self.scattered.directions, self.dome.site), light, asked)
 
     def light(self, found: Coefficients, direct: Light) -> Light:
         """Illuminance (N, T) of N sensors in lx, with what the sun gives them straight (N, T)."""
-        light = found.both @ self.sky
-        light += (self.spread.T @ found.scattered.T).T
+        light = found.patches @ self.sky
+        if found.mirrored.any():
+            light += (self.spread.T @ found.mirrored.T).T
+        if found.suns.any():
+            falling = (self._shares * self.direct).astype(np.float32)
+            light += (falling.T @ found.suns.T).T
         light += direct
         return light
+
+    @property
+    def _shares(self) -> csr_array:
+        assert self.scattered.weights is not None
+        return self.scattered.weights
 
     def open_mean(self, normals: Vector, hours: Vector) -> Vector:
         """Mean illuminance (N,) in lx over ``hours`` (T,) on planes that face ``normals`` (N, 3).
@@ -150,24 +172,33 @@ def course_of(
         )
         sky[:count, which] = (block * level[:, None]).T
     sky[count] = ground_radiance(hourly, ground_reflectance)
-    rows, columns, values = [], [], []
-    sunny = replace(hourly, diffuse=np.zeros(intervals))
+    energy = hourly.direct * hourly.hours
+    suns = merged_suns(hourly.sun, energy, accuracy)
+    return Course(
+        dome,
+        sky,
+        spread_suns(hourly, patches),
+        suns,
+        scattered_suns(suns, hourly.sun, energy),
+        hourly.direct,
+        hourly.hours,
+        weather.times[mask],
+        (*weather.notes, *hourly.notes),
+    )
+
+
+def spread_suns(hourly: HourlySkies, patches: Patches) -> csr_array:
+    """The suns' light (P, T) on the patches, as `matrix_blocks` spreads it; the ground the last."""
+    sunny = replace(hourly, diffuse=np.zeros(len(hourly)))
+    shape = len(patches.directions) + 1, len(hourly)
+    rows, columns, values = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
     for which, block in matrix_blocks(sunny, patches, "patches"):
         time, patch = np.nonzero(block)
         rows.append(patch)
         columns.append(which[time])
         values.append(block[time, patch])
-    empty = np.zeros(0, np.int64)
-    spread = csr_array(
-        (
-            np.concatenate([np.zeros(0), *values]).astype(np.float32),
-            (np.concatenate([empty, *rows]), np.concatenate([empty, *columns])),
-        ),
-        shape=(dome.count, intervals),
-    )
-    suns = merged_suns(hourly.sun, hourly.direct * hourly.hours, accuracy)
-    notes = (*weather.notes, *hourly.notes)
-    return Course(dome, sky, spread, suns, hourly.direct, hourly.hours, weather.times[mask], notes)
+    light = np.concatenate(values).astype(np.float32)
+    return csr_array((light, (np.concatenate(rows), np.concatenate(columns))), shape=shape)
 
 
 def overcast(dome: Dome, ground_reflectance: float) -> Vector:
@@ -175,3 +206,8 @@ def overcast(dome: Dome, ground_reflectance: float) -> Vector:
     sky = on_patches(cie_sky(OVERCAST), 1.0, patches_of(dome.subdivision))[:, 0]
     sky /= open_patches(dome)[:-1] @ sky
     return np.append(sky, ground_reflectance / np.pi)
+
+
+def _some(suns: Suns, which: NDArray[np.bool_] | NDArray[np.int64]) -> Suns:
+    assert suns.weights is not None
+    return replace(suns, weights=suns.weights[:, which])

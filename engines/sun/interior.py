@@ -19,7 +19,7 @@ _TABLE = 1 << 21  # values of illuminance at a time: what stays in a processor's
 
 
 class Interior:
-    """Bodies, the N sensors among them, and whether their panes have blinds."""
+    """Bodies, the N sensors among them, and whether the bodies' panes have blinds."""
 
     def __init__(self, bodies: tuple[Body, ...], sensors: Sensors, veiled: bool) -> None:
         self.sensors = sensors
@@ -35,17 +35,27 @@ class Interior:
         other.sensors, other.shares = sensors, weights_of(sensors)
         return other
 
+    @property
+    def front(self) -> slice:
+        """The sensors on the front, where ``sensors`` are of one receiver that has both sides."""
+        count = len(self.sensors)
+        return slice(0, count // 2 if len(self.sensors.shape) == 3 else count)
+
 
 def closed_in(interior: Interior, course: Course, progress: Progress) -> NDArray[np.bool_]:
-    """In which intervals (T,) the blinds are closed."""
+    """In which intervals (T,) the blinds are closed for the sun on the front of the sensors."""
     if not interior.veiled:
         return np.zeros(len(course.hours), bool)
     sunny = np.zeros(len(course.hours))
-    count = len(interior.sensors)
+    front = interior.sensors.some(interior.front)
+    count, shares = len(front), weights_of(front)
     for rows in tables(slice(0, count), len(course.hours)):
         progress(rows.start / count, "Looking where the sun comes in")
-        direct = course.sunlight(interior.occluders, interior.sensors.some(rows))
-        sunny += blinds.sunny_area(direct, interior.shares[rows])
+        some = front.some(rows)
+        # What is left without panes comes through them; blinds do nothing against other sun.
+        through = course.sunlight(interior.occluders, some)
+        through -= course.sunlight(interior.shut, some)
+        sunny += blinds.sunny_area(through, shares[rows])
     return blinds.closed(sunny)
 
 

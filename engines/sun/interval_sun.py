@@ -18,6 +18,11 @@ def instants(times: NDArray[np.datetime64], hours: Vector) -> NDArray[np.datetim
     return times.astype("datetime64[s]") + shifts
 
 
+def declination(ordinal: NDArray[np.int64]) -> Vector:
+    """Of the sun in deg on days counted from 1 January as 1, within 1° [Cooper 1969]."""
+    return 23.45 * np.sin(2.0 * np.pi * (284.0 + ordinal) / 365.0)
+
+
 def sines(times: NDArray[np.datetime64], hours: Vector, site: Site) -> tuple[Vector, Vector]:
     """Sine of the sun's true altitude in T intervals: its mean above the horizon, its highest.
 

@@ -29,7 +29,7 @@ def autonomy(light: Light, hours: Vector, target: float = TARGET) -> Vector:
 
 def continuous_autonomy(light: Light, hours: Vector, target: float = TARGET) -> Vector:
     """The same (N,), where part of the target counts for its part [Rogers 2006]."""
-    return (np.minimum(light, target) @ _single(hours)) / target / hours.sum()
+    return (np.minimum(light, target) @ hours.astype(np.float32)) / target / hours.sum()
 
 
 def useful(
@@ -54,7 +54,7 @@ def hours_above(direct: Light, hours: Vector, limit: float = SUNNY) -> Vector:
 
 def mean_light(light: Light, hours: Vector) -> Vector:
     """Mean illuminance (N,) over the hours in lx."""
-    return (light @ _single(hours)) / hours.sum()
+    return (light @ hours.astype(np.float32)) / hours.sum()
 
 
 def spatial_autonomy(autonomies: Vector, areas: Vector, share: float = HALF) -> float:
@@ -74,9 +74,14 @@ def area_share(chosen: NDArray[np.bool_], areas: Vector) -> float:
 
 
 def _counted(which: NDArray[np.bool_], hours: Vector) -> Vector:
-    return (which @ _single(hours)).astype(np.float64)
+    """The hours (N,) of those intervals that are chosen (N, T).
 
-
-def _single(hours: Vector) -> NDArray[np.float32]:
-    """Hours in single precision, which holds a year's quarter hours and their sums exactly."""
-    return hours.astype(np.float32)
+    Intervals as long as one another, mostly all of a year, are counted, which single precision
+    does exactly, before they are given their length.
+    """
+    lengths, kinds = np.unique(hours, return_inverse=True)
+    found = np.zeros(len(which))
+    for kind in np.flatnonzero(lengths):
+        number = which @ (kinds == kind).astype(np.float32)
+        found += number.astype(np.float64) * lengths[kind]
+    return found

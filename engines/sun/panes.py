@@ -17,13 +17,15 @@ from ..core import runtime
 from ..core.progress import SILENT, Progress
 from . import bits
 from .rays import Fired, Rays
-from .soup import CLOSE, Soup
+from .soup import Soup
 
 MOST = 32
 """Surfaces of glass that a ray may cross; behind more it is dark."""
 TINY = 1e-12
 """The least cosine² in the glass; it is met only where glass refracts as air does."""
-_RECORD = 6
+LONG = 5e-7
+"""Of a ray's way to where it meets something: how far off single precision may find that."""
+_RECORD = 7
 
 
 def transmittances(
@@ -55,8 +57,8 @@ def told(soup: Soup) -> tuple[str, ...]:
         if body.material.absorption > 0 and not soup.closed(number)
     ]
     return (
-        "Sun goes straight through clear glass here, less what that reflects and absorbs; how it "
-        "is bent and gathered, photon tracing shows.",
+        "Sun goes straight through clear glass here, less what that reflects and absorbs, which is "
+        "lost; how it is bent, gathered and thrown back, photon tracing shows.",
         *(
             f"Glass “{n}” is not closed, so its tint is left out; give it a thickness."
             for n in flat
@@ -65,12 +67,12 @@ def told(soup: Soup) -> tuple[str, ...]:
 
 
 def _records(soup: Soup) -> Any:
-    """On the device, six floats a triangle: its normal, index, absorption in 1/m, 1 for a sheet."""
+    """On the device, a triangle's normal, index, absorption in 1/m, 1 for a sheet, step in m."""
     mi = runtime.mitsuba()
     materials = enumerate(body.material for body in soup.bodies)
     own = np.array([(m.ior, m.absorption, not soup.closed(n)) for n, m in materials])
     outward = soup.normals() * soup.orientation[soup.owner, None]
-    records = np.concatenate([outward, own[soup.owner]], axis=1)
+    records = np.concatenate([outward, own[soup.owner], soup.steps()[:, None]], axis=1)
     return mi.Float(records.astype(np.float32).ravel())
 
 
@@ -79,7 +81,6 @@ def _crossed(soup: Soup, records: Any, fired: Fired) -> Any:
     mi = runtime.mitsuba()
     import drjit as dr
 
-    step = dr.opaque(mi.Float, CLOSE * soup.reach)
     direction = fired.ray.d
     lanes = dr.width(fired.active)
 
@@ -91,7 +92,7 @@ def _crossed(soup: Soup, records: Any, fired: Fired) -> Any:
     ) -> tuple[Any, ...]:
         hit = soup.scene.ray_intersect_preliminary(mi.Ray3f(origin, direction), active=active)
         met = active & hit.is_valid()
-        kept_s, kept_p = _kept(records, direction, hit, behind, met)
+        kept_s, kept_p, step = _kept(records, direction, hit, behind, met)
         onward = dr.fma(direction, hit.t + step, origin)
         return (
             met,
@@ -114,19 +115,21 @@ def _crossed(soup: Soup, records: Any, fired: Fired) -> Any:
     return dr.select(fired.active & ~lost, (s + p) / 2, 0)
 
 
-def _kept(records: Any, direction: Any, hit: Any, behind: Any, met: Any) -> tuple[Any, Any]:
-    """What s- and p-polarised light keep where rays meet glass, ``behind`` m past the last time."""
+def _kept(records: Any, direction: Any, hit: Any, behind: Any, met: Any) -> tuple[Any, Any, Any]:
+    """What s- and p-polarised light keep where rays meet glass, ``behind`` m past the last time;
+    and the step off it."""
     mi = runtime.mitsuba()
     import drjit as dr
 
     first = hit.prim_index * _RECORD
-    x, y, z, ior, absorption, sheet = (
+    x, y, z, ior, absorption, sheet, step = (
         dr.gather(mi.Float, records, first + i, met) for i in range(_RECORD)
     )
     along = dr.dot(direction, mi.Vector3f(x, y, z))
     kept_s, kept_p = slab(along, ior, absorption, sheet > 0, behind + hit.t)
     counts = met & ((sheet > 0) | (along > 0))
-    return dr.select(counts, kept_s, 1), dr.select(counts, kept_p, 1)
+    step = dr.maximum(step, LONG * hit.t)
+    return dr.select(counts, kept_s, 1), dr.select(counts, kept_p, 1), step
 
 
 def slab(along: Any, ior: Any, absorption: Any, sheet: Any, way: Any) -> tuple[Any, Any]:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from ..core.errors import ParameterError
 from ..core.parameters import check_value, fields_of, nested, param
 from .degree_days import seasons
-from .site import Site, check_site
+from .interval_sun import declination
+from .site import Site, check_site, place_text
 from .times import Times, check_order, hour_of_day, month_and_day, standard_time
 from .turning import turning_points
 from .weather import Weather
@@ -18,6 +19,12 @@ from .weather import Weather
 type Mask = NDArray[np.bool_]
 
 _LONGEST = (31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)  # days of the months
+_BOSTON = Site()
+_NEAR = 3.0, 10.0
+"""Degrees of latitude and longitude from Boston, within which its dates of seasons are taken."""
+_TROPICAL, _WINTRY = 10.0, 5.0
+"""Latitude below which no season is colder by the sun; and by how many degrees a season's mean sun
+may stand over the other hemisphere."""
 _TURNS = ("spring equinox", "summer solstice", "autumn equinox", "winter solstice")
 
 
@@ -71,7 +78,8 @@ def selected(weather: Weather | Times, period: Period, site: Site) -> Mask:
     hemisphere its solstice is in December.
 
     Raises ParameterError for a date that no year has, times that are not in order, degree days
-    without a weather, and for a period that holds none of the intervals.
+    without a weather, for a cooling season whose dates are the site's winter, and for a period that
+    holds none of the intervals.
     """
     check_site(site)
     check_period(period)
@@ -79,6 +87,7 @@ def selected(weather: Weather | Times, period: Period, site: Site) -> Mask:
     if period.seasons == "degree days" and period.span.endswith("season"):
         days = _by_degree_days(weather, period)
     else:
+        _check_summer(period, site)
         days = _days(times, period, site)
     mask = days & _hours(times, period, site)
     if not mask.any():
@@ -105,6 +114,19 @@ def check_period(period: Period) -> None:
             )
 
 
+def season_notes(period: Period, site: Site) -> tuple[str, ...]:
+    """A sentence where Boston's dates part the seasons of a place that is not near it."""
+    if not _parted_by_dates(period) or period.cooling != CoolingSeason():
+        return ()
+    turn = abs((site.longitude - _BOSTON.longitude + 180) % 360 - 180)
+    if abs(site.latitude - _BOSTON.latitude) <= _NEAR[0] and turn <= _NEAR[1]:
+        return ()
+    return (
+        f"The seasons are parted on Boston's dates, {_dates_text(period.cooling)}; set those of "
+        f"{place_text(site)}, or choose Parted by: Degree days, which asks the weather file.",
+    )
+
+
 def period_text(period: Period) -> str:
     """A period as a person reads it: “cooling season, 25 April to 21 October, 8 to 18 h”."""
     parts: list[str] = [period.span]
@@ -121,6 +143,26 @@ def period_text(period: Period) -> str:
     if (period.first_hour, period.last_hour) != (0, 24):
         parts.append(f"{period.first_hour:g} to {period.last_hour:g} h")
     return ", ".join(parts)
+
+
+def _parted_by_dates(period: Period) -> bool:
+    return period.span.endswith("season") and period.seasons == "dates"
+
+
+def _check_summer(period: Period, site: Site) -> None:
+    """A cooling season cannot be while the sun stands over the other hemisphere."""
+    if not _parted_by_dates(period) or abs(site.latitude) < _TROPICAL:
+        return
+    ordinal = np.arange(1, 366)
+    dates = np.datetime64("2019-01-01") + (ordinal - 1).astype("timedelta64[D]")
+    months = dates.astype("datetime64[M]")
+    date = (months.astype(np.int64) % 12 + 1) * 100 + (dates - months).astype(np.int64) + 1
+    height = declination(ordinal[_in_dates(date, period.cooling)]).mean()
+    if height * np.sign(site.latitude) < -_WINTRY:
+        raise ParameterError(
+            f"The cooling season of {_dates_text(period.cooling)} is winter at {place_text(site)}; "
+            "set the dates of its summer, or choose Parted by: Degree days."
+        )
 
 
 def _by_degree_days(weather: Weather | Times, period: Period) -> Mask:

@@ -16,12 +16,12 @@ from ..core.scene import Receiver, Scene, Surface, Vector
 from .gathering import Free, Gathered, gather, unobstructed
 from .hidden import hidden
 from .maps import SunMap, SunMaps, figures_of, quantities_of
-from .occlusion import Occluders, bodies_of
+from .occlusion import Occluders, bodies_of, is_pane
 from .periods import Period, period_text
 from .reflected import Reflected, reflect
 from .sensors import Sensors, joined, of_receiver
 from .site import Site
-from .surroundings import blackened, returned_by
+from .surroundings import returned_by
 from .weights import Sources, sources_of, weather_of
 from .winding import wound
 
@@ -165,17 +165,21 @@ def notes_of(
         *found.notes,
         *looking_down(scene, parts),
         *hidden(occluders, scene.receivers, parts, found.dark),
-        *blackened(scene.bodies),
     ]
 
 
 def unreflected(scene: Scene, remedy: str) -> list[str]:
-    """A sentence on what bodies reflect and is left out, where any does."""
-    if not any(returned_by(body.material)[0] > 0 for body in scene.bodies):
-        return []
-    mirrors = [f"“{body.name}”" for body in scene.bodies if body.material.kind == "mirror"]
-    those = f", also what a mirror does ({', '.join(mirrors)})"
-    return [f"What bodies reflect is left out{those if mirrors else ''}; {remedy}."]
+    """A sentence on what bodies reflect, and one on each ground glass, where that is left out."""
+    told = [
+        f"“{body.name}” is ground glass and black here, as what it scatters is left out; {remedy}."
+        for body in scene.bodies
+        if body.material.kind == "dielectric" and not is_pane(body.material)
+    ]
+    if any(returned_by(body.material)[0] > 0 for body in scene.bodies):
+        mirrors = [f"“{body.name}”" for body in scene.bodies if body.material.kind == "mirror"]
+        those = f", also what a mirror does ({', '.join(mirrors)})" if mirrors else ""
+        told.append(f"What bodies reflect is left out{those}; {remedy}.")
+    return told
 
 
 def said_of(thrown: Reflected, record: Radiation) -> str:

@@ -1,6 +1,6 @@
 """Rays from every sensor in every direction, in batches of bounded memory."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,6 +17,8 @@ from .soup import CLOSE, Soup
 
 BATCH = 1 << 24
 """Rays at a time: 16 MB of answers, and about half a second on two cores."""
+_FAR_OFF = 5e-3  # m: an offset that is told
+_BESIDE = 1.0  # m about the sensors, within which a triangle may be what they lie on
 GRAZING = 1e-6
 """A direction whose cosine with the normal is not above this is behind the sensor."""
 
@@ -38,6 +40,15 @@ class Rays:
         """The rays of some of the sensors."""
         return replace(self, origins=self.origins[which], normals=self.normals[which])
 
+    def told(self) -> tuple[str, ...]:
+        """A sentence where they start so far off that something may be passed over."""
+        if self.offset < _FAR_OFF:
+            return ()
+        return (
+            f"Bodies reach so far that rays start {1000 * self.offset:.2g} mm off the sensors; "
+            "what is nearer than that is passed over, so leave out what is far away.",
+        )
+
     def batches(self, progress: Progress = SILENT) -> Iterator[slice]:
         """Runs of sensors with no more than BATCH rays, or single ones."""
         count, step = len(self.origins), max(1, BATCH // max(len(self.directions), 1))
@@ -47,16 +58,28 @@ class Rays:
 
 
 def rays_of(occluders: Occluders, sensors: Sensors, directions: Vector) -> Rays:
-    """The rays as they are traced; in a scene of many km they start farther off than 1 mm."""
+    """The rays as they are traced; far from the centre, or on triangles that reach far from it,
+    they start farther off than 1 mm."""
     origins = sensors.points - occluders.centre
-    reach = max(occluders.reach, float(np.abs(origins).max(initial=0.0)))
-    offset = max(sensors.offset, 2 * CLOSE * reach)
+    offset = clearance(origins, (occluders.still, occluders.moving), sensors.offset)
     return Rays(
         (origins + offset * sensors.normals).astype(np.float32),
         sensors.normals.astype(np.float32),
         np.asarray(directions).astype(np.float32),
         offset,
     )
+
+
+def clearance(points: Vector, soups: Iterable[Soup], least: float) -> float:
+    """How far in m, ``least`` or more, rays from ``points`` (N, 3) about a centre must start off.
+
+    What they lie on is met, in single precision, as nearly as its coordinates are known.
+    """
+    if not len(points):
+        return least
+    low, high = points.min(axis=0) - _BESIDE, points.max(axis=0) + _BESIDE
+    least = max(least, 2 * CLOSE * float(np.abs(points).max()))
+    return max(soup.step_near(low, high, least) for soup in soups)
 
 
 def facing(rays: Rays, progress: Progress = SILENT) -> bits.Bits:

@@ -70,7 +70,7 @@ class Remembered:
             past = self._renew(kept, occluders, fan, progress)
             seen = rays.unblocked(occluders.moving, fan, past, part(progress, 0.8, 1.0))
             found = blind(occluders, fan, seen)
-            notes = (*sensors.notes, *found.told(), *panes.told(occluders.panes))
+            notes = (*sensors.notes, *fan.told(), *found.told(), *panes.told(occluders.panes))
             kept.result = Visibility(seen, kept.through, sensors.normals, directions, notes)
             kept.all = everything
         self._kept[key] = kept

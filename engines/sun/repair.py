@@ -21,6 +21,7 @@ MOST_HOURS = 6.0
 """The longest gap that is filled: longer ones hide a morning or an afternoon."""
 
 _LOW = 0.05  # sine of 3°: below, a direct irradiance does not follow from a horizontal one
+_YEAR = 300 * 24.0  # h: as long, there are clear days anywhere
 _SENSOR = -50.0  # W/m²: what a sensor shows below zero at night; less is no measurement
 
 
@@ -68,7 +69,8 @@ def completed(
     }
     _scale_energies(kinds, sine, above, grid.hours, said)
     _clear_nights(kinds, highest, said)
-    given = kinds["Global horizontal"].copy()
+    _forget_empty(kinds, sine)
+    given = {kind: values.copy() for kind, values in kinds.items()}
     _close(kinds, sine, above, said)
     _interpolate_radiation(name, kinds, grid, sine, above, said)
     weather = Weather(
@@ -109,13 +111,20 @@ def _scale_energies(
     """Make mean powers of Wh/m² where a file of short intervals holds those.
 
     Both are in use. Skies are clear at times, so a year whose clearness never passes its square
-    root of the interval's share is of energies.
+    root of the interval's share is of energies. A part of a year may be dull throughout.
     """
     high = (sine > 0.3) & np.isfinite(kinds["Global horizontal"])
     if hours >= 1.0 or np.count_nonzero(high) < 100:
         return
     clearness = kinds["Global horizontal"][high] / (above * sine)[high]
-    if np.quantile(clearness, 0.98) < 0.8 * np.sqrt(hours):
+    if np.quantile(clearness, 0.98) >= 0.8 * np.sqrt(hours):
+        return
+    if len(sine) * hours < _YEAR:
+        said.append(
+            "Radiation is never near that of a clear sky and is taken as W/m²; if the records hold "
+            f"Wh/m², multiply them by {1 / hours:g}."
+        )
+    else:
         for kind in kinds:
             kinds[kind] = kinds[kind] / hours
         said.append(f"Radiation is taken as Wh/m² a record, so × {1 / hours:g} in W/m².")
@@ -132,11 +141,19 @@ def _clear_nights(kinds: dict[str, Vector], highest: Vector, said: list[str]) ->
         values[np.isnan(values) & (highest <= 0.0)] = 0.0
 
 
+def _forget_empty(kinds: dict[str, Vector], sine: Vector) -> None:
+    """Take as unknown what is written as zero: global radiation, or both of the others."""
+    total, direct, diffuse = kinds.values()
+    parts = np.nansum(direct) + np.nansum(diffuse)
+    if np.nansum(total) > 0.0 and not parts:
+        direct[sine > 0.0] = diffuse[sine > 0.0] = np.nan
+    elif parts and not np.nansum(total):
+        total[sine > 0.0] = np.nan
+
+
 def _close(kinds: dict[str, Vector], sine: Vector, above: Vector, said: list[str]) -> None:
     """Find the kind of radiation that is missing from the other two, or two from the global one."""
     total, direct, diffuse = kinds.values()
-    if np.nansum(total) > 0.0 and not np.nansum(direct) + np.nansum(diffuse):
-        direct[sine > 0.0] = diffuse[sine > 0.0] = np.nan  # unknown, written as zero
     found = np.isnan(total) & np.isfinite(direct + diffuse)
     total[found] = (direct * sine + diffuse)[found]
     _say(said, found, "Global horizontal", "added up from direct and diffuse")

@@ -1,4 +1,4 @@
-"""Where on earth a model stands, and which way it is turned."""
+"""Where on earth a model stands, under which air, and which way it is turned."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,10 @@ from ..core.scene import Vector
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Site:
-    """A place and the model's orientation; by default the thesis's, in Cambridge by Boston."""
+    """A place, its air and the model's orientation; by default the thesis's, in Cambridge.
+
+    ``turbidity`` counts where no weather is given; it is Linke's at air mass 2.
+    """
 
     latitude: float = param(42.3603, "deg", -90.0, 90.0, "North of the equator")
     longitude: float = param(-71.0875, "deg", -180.0, 180.0, "East of Greenwich")
@@ -19,12 +22,25 @@ class Site:
     north: float = param(
         0.0, "deg", -360.0, 360.0, "Azimuth of the model's +Y axis, clockwise from north"
     )
+    turbidity: float = param(
+        0.0,
+        "",
+        0.0,
+        20.0,
+        "Of cloudless air: 2 very clean, 3 clean, 5 humid, 7 polluted; 0: Boston's by month",
+    )
 
 
 def check_site(site: Site) -> None:
     """Raise ParameterError for a value out of bounds, as a latitude beyond a pole."""
     for field in fields_of(Site):
         check_value(field, getattr(site, field.name), "site")
+
+
+def place_text(site: Site) -> str:
+    """“33.90° S, 151.20° E”."""
+    north, east = "NS"[site.latitude < 0], "EW"[site.longitude < 0]
+    return f"{abs(site.latitude):.2f}° {north}, {abs(site.longitude):.2f}° {east}"
 
 
 def to_model(directions: Vector, site: Site) -> Vector:

@@ -43,15 +43,20 @@ def sky_matrix(
     """
     patches = patches_of(subdivision)
     count = len(patches.solid_angles), len(weather.times)
-    if count[0] * count[1] > _LARGEST:
-        raise ParameterError(
-            f"A sky matrix of {count[0]} patches × {count[1]} intervals takes "
-            f"{count[0] * count[1] / 2**27:.0f} GiB: choose a coarser sky or a shorter period."
-        )
+    require_size(*count)
     found = np.zeros(count[::-1])
     for which, block in matrix_blocks(hourly_skies(weather, site, quantity), patches, direct):
         found[which] = block
     return found.T
+
+
+def require_size(patches: int, intervals: int) -> None:
+    """Raise ParameterError for a sky matrix of more numbers than 4 GiB hold in float64."""
+    if patches * intervals > _LARGEST:
+        raise ParameterError(
+            f"A sky of {patches:,} patches in {intervals:,} intervals is too large for memory: "
+            "choose a coarser Subdivision, a shorter period, or weather of longer intervals."
+        )
 
 
 def cumulative(

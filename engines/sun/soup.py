@@ -64,6 +64,20 @@ class Soup:
         length = np.linalg.norm(cross, axis=-1, keepdims=True)
         return np.divide(cross, length, out=np.zeros_like(cross), where=length > 0)
 
+    def steps(self) -> NDArray[np.float32]:
+        """How far in m (T,) a ray that goes on from each triangle must start off it."""
+        farthest = np.abs(self.vertices).max(axis=1, initial=0.0)
+        return 2 * np.float32(CLOSE) * farthest[self.faces].max(axis=1, initial=0.0)
+
+    def step_near(self, low: Vector, high: Vector, least: float) -> float:
+        """The longest of the ``steps`` off triangles whose boxes meet that between two corners (3,)
+        about the centre, and no less than ``least``."""
+        if 2 * CLOSE * self.reach <= least:
+            return least
+        corners = self.vertices[self.faces]
+        meets = (corners.min(axis=1) <= high) & (corners.max(axis=1) >= low)
+        return float(self.steps()[meets.all(axis=1)].max(initial=least))
+
     @property
     def orientation(self) -> Vector:
         """1 for each body whose faces look outward, −1 where they look inward, by its volume."""

@@ -60,7 +60,8 @@ class Year:
     in whose middle the sun is up, with each of `en17037.LIMITS`. ``course`` (T,): mean illuminance
     over the sensors by area in lx; ``closed`` (T,): when the blinds are closed in the hours that
     count. ``errors``: 95 % half-width ÷ mean, root mean square over the sensors, of "illuminance",
-    "daylight_factor" and a single "hour". ``paths``: the most that were followed from a sensor.
+    "daylight_factor" and a single "hour". ``given_up``: what share of the light, about, is left out
+    for being reflected too often. ``paths``: the most that were followed from a sensor.
     """
 
     values: dict[str, Vector]
@@ -68,6 +69,7 @@ class Year:
     course: Vector
     closed: NDArray[np.bool_]
     errors: dict[str, float]
+    given_up: float
     paths: int
     notes: tuple[str, ...]
 
@@ -94,12 +96,16 @@ def _asking(
     weights = np.zeros((len(hours), 1 + len(single)))
     weights[:, 0] = np.where(chosen, hours, 0.0) / hours.sum()
     weights[single, 1 + np.arange(len(single))] = 1.0
-    skies = course.luminances(weights)
-    cloudy = np.tile(overcast(course.dome, asked.ground_reflectance)[None, :, None], (2, 1, 1))
-    order = np.concatenate([skies[:, :, :1], cloudy, skies[:, :, 1:]], axis=2)
-    return _Asking(
-        Sought(order, loose * asked.error, asked.paths), single, np.zeros(order.shape[2])
+    skies, suns = course.luminances(weights), course.normal(weights)
+    cloudy = np.tile(overcast(course.dome, asked.ground_reflectance)[None, :, None], (3, 1, 1))
+    sought = Sought(
+        np.insert(skies, [1], cloudy, axis=2),
+        loose * asked.error,
+        asked.paths,
+        course.aims(suns[:, 0], chosen),
+        np.insert(suns, 1, 0.0, axis=1),
     )
+    return _Asking(sought, single, np.zeros(2 + len(single)))
 
 
 def _looseness(
@@ -143,6 +149,7 @@ class Summing:
         self.reached = np.zeros((count, len(en17037.LIMITS)))
         self.mean = np.zeros(len(hours))
         self.paths = 0
+        self.given_up = 0.0
 
     def add(self, rows: slice, seed: int, progress: Progress) -> None:
         """Trace and sum up a block of sensors."""
@@ -195,6 +202,7 @@ class Summing:
         )
         asking.square[:] += self.interior.shares[rows] @ found.half_width**2
         self.paths = max(self.paths, found.paths)
+        self.given_up += float((self.interior.shares[rows] * found.value[:, 0]) @ found.given_up)
         return found
 
     def _sum(self, rows: slice, light: metrics.Light, direct: metrics.Light) -> None:
@@ -225,8 +233,9 @@ class Summing:
         single = np.concatenate([one.square[2:] for one in parts])
         level = self.mean[np.concatenate([one.single for one in parts])]
         factor = float(shares @ self.values["daylight_factor"]) / 100
+        mean = float(shares @ self.values["illuminance"])
         errors = {
-            "illuminance": _ratio(np.sqrt(square), float(shares @ self.values["illuminance"])),
+            "illuminance": _ratio(np.sqrt(square), mean),
             "daylight_factor": _ratio(np.sqrt(self.open.square[1]), factor),
         }
         if len(single):
@@ -238,6 +247,7 @@ class Summing:
             self.mean,
             self.closed & (self.hours > 0),
             errors,
+            _ratio(self.given_up, mean),
             self.paths,
             (*self.interior.sensors.notes, *self.interior.around.told(), *self._buried()),
         )

@@ -13,8 +13,10 @@ from .occlusion import is_pane
 from .soup import Soup
 
 RECORD = 8
-"""Floats a triangle: its normal, whether it is a pane, and of a pane index, absorption and whether
-it is a sheet, of others what they return, the share of that as a mirror does, and nothing."""
+"""Floats a triangle: its normal, CLEAR, GROUND or 0 for no pane, of panes index, absorption and
+whether it is a sheet, of others what they return, the share of that as a mirror does, and 0; and
+the step in m off it."""
+CLEAR, GROUND = 1.0, 2.0
 
 
 class Surroundings:
@@ -47,14 +49,16 @@ def _records(soup: Soup) -> NDArray[np.float32]:
     """(T, RECORD) of the soup's triangles."""
     own = np.array([_own(soup, number) for number in range(len(soup.bodies))])
     outward = soup.normals() * soup.orientation[soup.owner, None]
-    spare = np.zeros((len(outward), 1))
-    return np.concatenate([outward, own[soup.owner], spare], axis=1).astype(np.float32)
+    return np.concatenate([outward, own[soup.owner], soup.steps()[:, None]], axis=1).astype(
+        np.float32
+    )
 
 
 def _own(soup: Soup, number: int) -> tuple[float, float, float, float]:
     material = soup.bodies[number].material
-    if is_pane(material):
-        return 1.0, material.ior, material.absorption, float(not soup.closed(number))
+    if material.kind == "dielectric":
+        finish = CLEAR if is_pane(material) else GROUND
+        return finish, material.ior, material.absorption, float(not soup.closed(number))
     returned, mirrored = returned_by(material)
     return 0.0, returned, mirrored / returned if returned else 0.0, 0.0
 
@@ -72,17 +76,14 @@ def returned_by(material: Material) -> tuple[float, float]:
     return 0.0, 0.0
 
 
-def blackened(bodies: tuple[Body, ...]) -> Iterator[str]:
-    """A sentence on each body that light scatters through, which is not followed."""
+def _left_out(bodies: tuple[Body, ...]) -> Iterator[str]:
     for body in bodies:
         if body.material.kind == "dielectric" and not is_pane(body.material):
-            yield f"“{body.name}” is ground glass, which is taken as black here."
-
-
-def _left_out(bodies: tuple[Body, ...]) -> Iterator[str]:
-    yield from blackened(bodies)
-    for body in bodies:
-        if body.material.kind == "mirror" and body.material.roughness > 0:
+            yield (
+                f"“{body.name}” is ground glass: here it lets through as much as clear glass, "
+                "scattered evenly."
+            )
+        elif body.material.kind == "mirror" and body.material.roughness > 0:
             yield f"“{body.name}” is a satin mirror, which is taken as a smooth one here."
 
 

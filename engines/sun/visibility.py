@@ -73,7 +73,8 @@ def visible(
     directions = checked(directions)
     require_room(occluders, len(sensors), len(directions))
     result, found = _traced(occluders, sensors, directions, progress)
-    return replace(result, notes=(*sensors.notes, *found.told(), *panes.told(occluders.panes)))
+    notes = (*sensors.notes, *result.notes, *found.told(), *panes.told(occluders.panes))
+    return replace(result, notes=notes)
 
 
 def weighted(
@@ -92,6 +93,7 @@ def weighted(
     directions = checked(directions)
     weights = _checked_weights(weights, len(directions))
     out, found = np.empty((len(sensors), *(weights.shape or ())[1:])), Blind()
+    told = rays.rays_of(occluders, sensors, directions).told()
     step = max(1, _STREAMED // max(len(directions), 1))
     for start in range(0, len(sensors), step):
         rows = slice(start, min(start + step, len(sensors)))
@@ -99,7 +101,7 @@ def weighted(
         some, blind_ones = _traced(occluders, sensors.some(rows), directions, within)
         out[rows] = some.dot(weights, cosine=cosine)
         found += blind_ones
-    return out, (*sensors.notes, *found.told(), *panes.told(occluders.panes))
+    return out, (*sensors.notes, *told, *found.told(), *panes.told(occluders.panes))
 
 
 def _traced(
@@ -109,7 +111,7 @@ def _traced(
     seen = rays.unblocked(occluders.still, fan, progress=part(progress, 0.0, 0.5))
     seen = rays.unblocked(occluders.moving, fan, seen, part(progress, 0.5, 0.8))
     through = panes.transmittances(occluders.panes, fan, seen, part(progress, 0.8, 1.0))
-    result = Visibility(seen, through, sensors.normals, directions)
+    result = Visibility(seen, through, sensors.normals, directions, fan.told())
     return result, blind(occluders, fan, seen)
 
 

@@ -17,6 +17,7 @@ _MARKS = (
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
+_CUTS = 5  # separators in a line of any weather file, at least
 _MOST_BYTES = 200_000_000  # a year of minutes in 35 columns is half of it
 
 
@@ -30,6 +31,11 @@ def read_lines(path: Path | str) -> list[str]:
         if path.stat().st_size > _MOST_BYTES:
             raise FileError(f"“{path.name}” is too large for a year of weather; choose another.")
         content = path.read_bytes()
+    except ValueError as error:
+        shown = "".join(c if c.isprintable() else "�" for c in str(path))
+        raise FileError(
+            f"“{shown}” cannot be the path of a file; choose a weather file again."
+        ) from error
     except OSError as error:
         reason = error.strerror or str(error)
         raise FileError(
@@ -43,7 +49,22 @@ def read_lines(path: Path | str) -> list[str]:
         raise FileError(f"“{path.name}” is not a text file, so no weather can be read from it.")
     if not text.strip():
         raise FileError(f"“{path.name}” is empty; download it again.")
-    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    _check_commas(path.name, lines)
+    return lines
+
+
+def _check_commas(name: str, lines: Sequence[str]) -> None:
+    """Raise FileError where the first line with text, or the middle one, is not cut at commas."""
+    filled = [k for k, line in enumerate(lines) if line.strip()]
+    for at in (filled[0], filled[len(filled) // 2]):
+        line = lines[at]
+        for mark, called in ((";", "semicolons"), ("\t", "tabs")):
+            if line.count(mark) >= max(_CUTS, line.count(",")):
+                raise FileError(
+                    f"“{name}” line {at + 1} is separated by {called}; save the file with commas "
+                    "between its fields and points in its numbers."
+                )
 
 
 def _decoded(content: bytes) -> str:

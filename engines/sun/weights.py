@@ -10,10 +10,10 @@ from ..core.scene import Vector
 from .clear_sky import clear_weather
 from .hourly import HourlySkies, hourly_skies
 from .patches import patches_of
-from .periods import Period, selected
+from .periods import Period, season_notes, selected
 from .position import sun_position
 from .read_weather import read_weather
-from .site import Site, check_site, to_model
+from .site import Site, check_site, place_text, to_model
 from .sky import Patches, Suns
 from .sky_matrix import ground_radiance, matrix_blocks
 from .suns import merged_suns
@@ -87,8 +87,8 @@ def weather_of(site: Site, weather_file: str, parts: int = 1) -> tuple[Weather, 
     turn = abs((there.longitude - site.longitude + 180) % 360 - 180)
     if max(abs(there.latitude - site.latitude), turn * np.cos(np.radians(there.latitude))) > _FAR:
         note = (
-            f"The weather is that of {there.latitude:.2f}° N, {there.longitude:.2f}° E; the sun "
-            "stands as it does there, not as at the site that is set."
+            f"The weather is that of {place_text(there)}; the sun stands as it does there, not as "
+            "at the site that is set."
         )
         weather = replace(weather, notes=(*weather.notes, note))
     return finer(weather, parts), there
@@ -173,7 +173,12 @@ def sources_of(
         ground_radiance=returned,
         site=site,
         source=weather.source,
-        notes=(*weather.notes, *hourly.notes, *_notes(suns, ground_reflectance)),
+        notes=(
+            *weather.notes,
+            *season_notes(period, site),
+            *hourly.notes,
+            *_notes(suns, ground_reflectance),
+        ),
     )
 
 

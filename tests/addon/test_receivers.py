@@ -210,7 +210,7 @@ def test_values_at_vertices_are_not_those_of_a_mesh_that_has_changed(traced):
     traced.modifiers.clear()
     traced.scale.x = 2
     bpy.context.view_layer.update()
-    with pytest.raises(RuntimeError, match="“Sphere” has changed since it was traced"):
+    with pytest.raises(RuntimeError, match="“Sphere” has changed since"):
         bpy.ops.heliform.values_to_vertices()
 
 

@@ -192,6 +192,23 @@ def test_hours_are_exported_as_a_table(study, tmp_path):
     assert sum(line.startswith("2019-06-21 ") for line in lines) == 6
 
 
+def test_a_map_goes_on_the_vertices_of_a_mesh(ground):
+    with pytest.raises(RuntimeError, match="poll"):
+        bpy.ops.heliform.sun_to_vertices()
+    bpy.data.objects.remove(bpy.data.objects["Canopy"])
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=6, location=(0, 0, 5))
+    ball = bpy.context.object
+    ball.heliform.role = "RECEIVER"
+    ball.heliform.plane.resolution = 64
+    assert bpy.ops.heliform.study_sun() == {"FINISHED"}
+    assert bpy.ops.heliform.sun_to_vertices() == {"FINISHED"}
+    assert "total" not in ground.data.attributes
+    values = np.array([item.value for item in ball.data.attributes["total"].data])
+    height = np.array([vertex.co.z for vertex in ball.data.vertices])
+    assert values[height > 0.8].min() > 2 * values[height < -0.8].max()
+    assert values.max() < sun.map_on(ground).maps["total"].max()
+
+
 def test_a_range_set_by_hand_is_taken_and_an_empty_one_said(study):
     display = bpy.context.scene.heliform.sun_display
     display.automatic = False
@@ -272,9 +289,10 @@ def test_a_weather_file_brings_its_place(scene, tmp_path, monkeypatch):
     weather = clear_weather(there)
     monkeypatch.setattr(sun_place, "read_weather", lambda path: weather)
     scene.heliform.radiation.site.north = np.radians(20.0)
+    scene.heliform.radiation.site.turbidity = 3.5
     scene.heliform.radiation.weather_file = "//Sydney.epw"
     site = sun_place.site_of(scene)
-    assert site == replace(there, north=20.0)
+    assert site == replace(there, north=20.0, turbidity=3.5)
 
 
 def test_the_path_is_drawn_where_the_sun_goes(scene):
@@ -324,6 +342,24 @@ def test_daylight_has_its_maps_and_figures(ground):
     assert unit == "lx"
     there = sun.map_on(ground).maps["illuminance"]
     assert 0.9 * there.min() <= float(value) <= 1.1 * there.max()
+
+
+def test_a_receiver_shows_its_own_figures():
+    from heliform.panels.sun import own_figures
+
+    one = {"sda_300_50": 1, "sda_62.5_50": 2}
+    assert own_figures(one, "Desk", ["Desk"]) == one
+    several = {"Desk.ase": 1, "Desk.001.ase": 2, "Roof.ase": 3, "Desk.sda_62.5_50": 4}
+    names = ["Desk", "Desk.001", "Roof"]
+    assert own_figures(several, "Desk", names) == {"ase": 1, "sda_62.5_50": 4}
+    assert own_figures(several, "Desk.001", names) == {"ase": 2}
+    assert own_figures(several, "Renamed", names) == {}
+    assert own_figures(several, "Desk.001", ["Desk.001"]) == {"ase": 2}
+
+
+def test_a_receiver_that_is_renamed_keeps_its_name_in_the_study(study):
+    study.name = "Another"
+    assert sun.name_in_study(study) == "Receiver"
 
 
 def test_what_is_asked_names_the_weather_by_its_whole_path(ground, tmp_path):

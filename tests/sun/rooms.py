@@ -2,10 +2,11 @@
 
 import numpy as np
 from heliform.engines.core.scene import Body, Material, Mesh
-from heliform.engines.sun.bounces import Dome, Surroundings
 from heliform.engines.sun.coefficients import Sought, daylight_coefficients
+from heliform.engines.sun.dome import Dome
 from heliform.engines.sun.sensors import at_points
 from heliform.engines.sun.site import Site
+from heliform.engines.sun.surroundings import Surroundings
 from sun.shades import sheet
 
 BOSTON = Site()
@@ -17,7 +18,7 @@ def matte(reflectance):
 
 def even(dome: Dome):
     """A sky and a ground of luminance 1, as `Sought` has it."""
-    return np.ones((2, dome.count, 1))
+    return np.ones((3, dome.count, 1))
 
 
 def traced(bodies, points, normals, bounces=4, skies=None, *, paths=1 << 14, error=1e-9, **more):

@@ -121,6 +121,17 @@ def test_monthly_turbidity_counts_in_its_month_and_turns_over_the_equator():
     assert np.array_equal(clear_weather(south).direct_normal, turned.direct_normal)
 
 
+def test_a_sites_turbidity_is_that_of_its_months():
+    air = clear_weather(Site(turbidity=4.5))
+    assert np.array_equal(air.direct_normal, clear_weather(Site(), turbidity=4.5).direct_normal)
+    assert air.source.endswith("turbidity 4.5")
+    assert air.notes[-1] == "The air's Linke turbidity is 4.5, as it was set."
+    (note,) = (note for note in clear_weather(Site()).notes if "Boston" in note)
+    assert "Linke turbidity is Boston's, 2.45 to 3.95 by month" in note
+    with pytest.raises(ParameterError, match="Linke turbidity"):
+        clear_weather(Site(turbidity=0.5))
+
+
 def test_polar_night_is_dark_and_polar_day_is_not():
     year = clear_weather(Site(latitude=78.2, longitude=15.6, utc_offset=1.0))
     month = year.local_times.astype("datetime64[M]")

@@ -310,7 +310,10 @@ def test_moments_of_a_pvgis_epw_are_where_its_comment_puts_them(weather, tmp_pat
         (b"PK\x03\x04....", "is a ZIP archive"),
         (b"LOCATION\x00\x01\x02", "is not a text file"),
         (b"<html><body>404 Not Found</body></html>", "is not an EPW file"),
-        (b"LOCATION;Boston;MA;USA;TMY3;1;42;-71;-5;10\n", "semicolons"),
+        (b"LOCATION;Boston;MA;USA;TMY3;1;42;-71;-5;10\n", "line 1 is separated by semicolons"),
+        (b"LOCATION\tBoston\tMA\tUSA\tTMY3\t1\t42\t-71\t-5\t10\n", "separated by tabs"),
+        (b"LOCATION;Boston;MA;USA;TMY3;1;42,3;-71,1;-5;10\n", "points in its numbers"),
+        (b"LOCATION,Boston,MA,USA,TMY3,1,42,-71,-5,10\n1995;1;1;1;60;?;1\n", "line 2 is separated"),
         (b"LOCATION,Boston,MA,USA,TMY3,1,42,-71,-5\n", "9 fields, not 10"),
         (b"LOCATION,Ahmedabad,-,-,MN8,999,23.015,72.592,5,5,49\n", "11 fields, not 10"),
         (b"LOCATION,Boston,MA,USA,TMY3,1,142,-71,-5,10\n1995,1,1,1,60,?,1\n", "latitude"),
@@ -324,6 +327,13 @@ def test_what_is_no_epw_is_refused_in_one_sentence(content, said, tmp_path):
     with pytest.raises(FileError, match=said) as caught:
         read_epw(path)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("path", ["odd\0name.epw", "half \ud800.epw"])
+def test_what_can_be_no_path_is_said_in_print(path):
+    with pytest.raises(FileError, match=r"“.*�.*epw” cannot be the path of a file") as caught:
+        read_epw(path)
+    assert str(caught.value).isprintable()
 
 
 def test_a_missing_file_and_a_folder_are_named(tmp_path):

@@ -61,6 +61,21 @@ def test_sda_takes_half_of_the_hours_and_ase_more_than_250():
     assert metrics.sunlight_exposure(sunny, areas) == pytest.approx(0.5)
 
 
+@pytest.mark.parametrize("per_hour", [1, 2, 4, 6, 12, 60])
+def test_a_tie_is_a_tie_however_long_the_intervals_are(per_hour):
+    # Half of the working hours reach the target, and 250 h have the sun, to the interval.
+    count = 3650 * per_hour
+    hours = np.full(count, 1 / per_hour)
+    at = np.arange(count)
+    light = np.where(at % 2 == 0, 300, 0).astype(np.float32)[None]
+    direct = np.where(at < 250 * per_hour, 2000, 0).astype(np.float32)[None]
+    area = np.ones(1)
+    assert metrics.spatial_autonomy(metrics.autonomy(light, hours), area) == 1
+    assert metrics.sunlight_exposure(metrics.hours_above(direct, hours), area) == 0
+    direct[0, 250 * per_hour] = 2000
+    assert metrics.sunlight_exposure(metrics.hours_above(direct, hours), area) == 1
+
+
 def test_sensors_without_area_count_alike():
     assert metrics.area_share(np.array([True, False, False, False]), np.zeros(4)) == 0.25
 

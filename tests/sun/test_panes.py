@@ -49,6 +49,13 @@ def test_clear_glass():
     assert through([pane], ANGLES) == pytest.approx(slab(ANGLES), abs=3e-5)
 
 
+@pytest.mark.parametrize("far", [1e3, 1e5])
+def test_a_pane_over_wide_ground_is_a_pane(far):
+    pane = box("Pane", (200, 200, 0.003), (0, 0, 1), GLASS)
+    bodies = [pane, level("Ground", far, far, -5)]
+    assert through(bodies, ANGLES) == pytest.approx(slab(ANGLES), abs=3e-5)
+
+
 def test_a_sheet_is_a_pane():
     assert through([level("Pane", 200, 200, 1, GLASS)], ANGLES) == pytest.approx(
         slab(ANGLES), abs=3e-5

@@ -7,7 +7,7 @@ import pytest
 from heliform.engines.core.errors import ParameterError
 from heliform.engines.core.parameters import from_table, to_table
 from heliform.engines.sun.degree_days import seasons
-from heliform.engines.sun.periods import CoolingSeason, Period, period_text, selected
+from heliform.engines.sun.periods import CoolingSeason, Period, period_text, season_notes, selected
 from heliform.engines.sun.site import Site
 from heliform.engines.sun.times import day_of_year, hour_of_day, hours_of_year, month_and_day
 from heliform.engines.sun.turning import turning_points
@@ -57,9 +57,40 @@ def test_heating_and_cooling_share_the_year_between_them():
 def test_a_cooling_season_may_run_over_the_year_s_end():
     """As in the south."""
     southern = CoolingSeason(first_month=11, first_day=1, last_month=3, last_day=31)
-    summer = days_of(Period(span="cooling season", cooling=southern))
+    sydney = Site(latitude=-33.9, longitude=151.2, utc_offset=10.0)
+    hours = hours_of_year(2019, sydney)
+    summer = days_of(Period(span="cooling season", cooling=southern), hours, sydney)
     assert summer == [*range(1, 91), *range(305, 366)]
-    assert days_of(Period(span="heating season", cooling=southern)) == list(range(91, 305))
+    winter = days_of(Period(span="heating season", cooling=southern), hours, sydney)
+    assert winter == list(range(91, 305))
+
+
+@pytest.mark.parametrize("span", ["cooling season", "heating season"])
+def test_a_cooling_season_in_winter_is_refused(span):
+    sydney = Site(latitude=-33.9, longitude=151.2, utc_offset=10.0)
+    hours = hours_of_year(2019, sydney)
+    with pytest.raises(ParameterError, match=r"is winter at 33\.90° S, 151\.20° E.*Degree days"):
+        selected(hours, Period(span=span), sydney)
+    all_year = CoolingSeason(first_month=1, first_day=1, last_month=12, last_day=31)
+    one = Period(span="cooling season", cooling=all_year)
+    assert selected(hours, one, sydney).all()
+    assert selected(hours, Period(span="year"), sydney).all()
+
+
+def test_boston_s_dates_are_said_elsewhere():
+    cooling, helsinki = Period(span="cooling season"), Site(latitude=60.2, longitude=25.0)
+    (note,) = season_notes(cooling, helsinki)
+    assert "Boston's dates, 25 April to 21 October; set those of 60.20° N, 25.00° E" in note
+    assert season_notes(replace(cooling, span="heating season"), Site(longitude=116.4))
+    assert season_notes(cooling, Site(latitude=-5.0))
+    for period, site in (
+        (cooling, BOSTON),
+        (cooling, Site(latitude=44.0, longitude=-77.0)),
+        (replace(cooling, span="year"), helsinki),
+        (replace(cooling, seasons="degree days"), helsinki),
+        (replace(cooling, cooling=CoolingSeason(first_day=1)), helsinki),
+    ):
+        assert season_notes(period, site) == ()
 
 
 def test_the_thesis_s_solstices():

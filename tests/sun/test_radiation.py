@@ -198,3 +198,17 @@ def test_a_wide_matte_floor_reflects_its_share():
     again = study_radiation(Scene((wide,), (), receivers), record)
     assert total(again, "reflected") == total(result, "reflected")
     assert any("known to" in note for note in result.meta["notes"])
+
+
+def test_a_shiny_floor_reflects_both_shares_hour_by_hour():
+    """What it scatters is of the sun where it stands, what it mirrors of patches around."""
+    shiny = Material(kind="plastic", reflectance=0.5, specularity=0.3)
+    wide = Body("Pond", level("Pond", 4e3, 4e3, 0.0).mesh, shiny)
+    down = np.diag([1.0, -1.0, -1.0, 1.0])
+    down[2, 3] = 2.0
+    plane = plane_receiver("Down", Plane(width=0.01, length=0.01, resolution=1), down)
+    record = Radiation(period=SUMMER, bounces=1, ground_reflectance=0.0, error=0.01)
+    result = study_radiation(Scene((wide,), (), (plane,)), record)
+    found = total(result, "reflected")[0, 0]
+    assert found == pytest.approx((0.3 + 0.7 * 0.5) * on_a_level(SUMMER), rel=0.02)
+    assert result.hourly["reflected"].sum() / 1000 == pytest.approx(found, rel=1e-4)

@@ -217,6 +217,37 @@ def test_a_weather_file_brings_its_place_and_its_gaps(tmp_path):
     )
 
 
+def test_a_place_in_the_southwest_is_named_so(tmp_path):
+    rio = Site(latitude=-22.9, longitude=-43.2, utc_offset=-3.0)
+    file = write_epw(tmp_path / "rio.epw", cloudy(rio))
+    record = replace(QUICK, weather_file=str(file))
+    notes = study_radiation(Scene(receivers=(floor(1),)), record).meta["notes"]
+    assert any("that of 22.90° S, 43.20° W;" in note for note in notes)
+
+
+def test_a_period_in_another_place_or_at_night_speaks_of_itself():
+    scene = Scene(receivers=(floor(1),))
+    summer = Period(span="cooling season")
+    record = replace(QUICK, site=replace(BOSTON, latitude=60.2), period=summer)
+    assert any("Boston's dates" in n for n in study_radiation(scene, record).meta["notes"])
+    night = Period(span="winter solstice", first_hour=22.0, last_hour=2.0)
+    dark = study_radiation(scene, replace(QUICK, period=night))
+    assert any("never above the horizon" in note for note in dark.meta["notes"])
+    assert not any("left out" in note for note in dark.meta["notes"])
+    assert total(dark) == pytest.approx(0)
+
+
+def test_cleaner_air_lets_more_sun_through():
+    scene = Scene(receivers=(floor(1),))
+    clean, dull = (
+        study_radiation(scene, replace(QUICK, site=replace(BOSTON, turbidity=value)))
+        for value in (2.0, 6.0)
+    )
+    assert total(dull)[0, 0] < 0.9 * total(clean)[0, 0]
+    assert clean.meta["source"].endswith("turbidity 2")
+    assert clean.meta["site"]["turbidity"] == 2.0
+
+
 def test_what_cannot_be_studied_is_said():
     with pytest.raises(SceneError, match="add a receiver"):
         study_radiation(Scene(), Radiation())

@@ -176,7 +176,18 @@ def test_direct_light_of_a_sun_that_is_down_is_left_out_and_said():
 def test_daylight_at_night_is_noticed():
     assert not hourly_skies(WEATHER, WEATHER.site).notes
     wrong = hourly_skies(WEATHER, Site(longitude=108.9125)).notes
-    assert any("check the site's longitude and UTC offset" in note for note in wrong)
+    assert any("check the latitude, longitude and UTC offset" in note for note in wrong)
+
+
+def test_only_the_chosen_intervals_are_spoken_of():
+    weather = replace(WEATHER, direct_normal=np.full(len(WEATHER.times), 100.0))
+    up = sun_position(weather.times, weather.site).apparent_altitude > 0
+    assert not hourly_skies(weather, weather.site, selected=up).notes
+    night = hourly_skies(WEATHER, WEATHER.site, selected=~up).notes
+    assert night == ("The sun is never above the horizon in the period: it gives no direct light.",)
+    last = up & (np.cumsum(up) == up.sum())
+    (note,) = hourly_skies(weather, weather.site, selected=~up | last).notes
+    assert note.startswith(f"The sun is below the horizon in the middle of {(~up).sum()} intervals")
 
 
 def test_an_unknown_dew_point_is_noticed_where_it_counts():
@@ -214,5 +225,5 @@ def test_a_matrix_that_no_machine_holds_is_refused():
     nothing = np.zeros(len(minutes))
     columns = ("direct_normal", "diffuse_horizontal", "global_horizontal", "hours")
     year = replace(WEATHER, times=minutes, **dict.fromkeys(columns, nothing))
-    with pytest.raises(ParameterError, match="2305 patches × 525600 intervals takes 9 GiB"):
+    with pytest.raises(ParameterError, match="2,305 patches in 525,600 intervals is too large"):
         sky_matrix(year, WEATHER.site, 4)

@@ -158,6 +158,28 @@ def test_a_scene_far_from_the_origin_is_seen_as_well():
     assert (here != there).mean() < 1e-5
 
 
+@pytest.mark.parametrize("far", [1e3, 2e4, 1e5])
+def test_what_is_far_away_hides_nothing_that_is_near(far):
+    """A slab 4 cm over the sensors, on ground that begins 50 m beside them."""
+    slab, sensors = level("Slab", 4, 4, 0.04), on_plane(np.eye(4), 2, 2, 0.5)
+    hill = level("Hill", far, far, 0)
+    aside = Body("Hill", hill.mesh.moved(_moved(far / 2 + 50)), MATTE)
+    seen = visible(Occluders([slab, aside]), sensors, [UP])
+    told = any("rays start" in note for note in seen.notes)
+    assert told == (far > 5e3)
+    assert told or not seen.values().any()
+    below = level("Ground", far, far, -5)
+    seen = visible(Occluders([slab, below]), sensors, [UP])
+    assert not seen.notes
+    assert not seen.values().any()
+
+
+def _moved(along):
+    matrix = np.eye(4)
+    matrix[0, 3] = along
+    return matrix
+
+
 def test_a_sheet_shades_its_sensors_on_one_side_only():
     """Rays start off the surface, and a thin plate is not skipped."""
     plate = box("Plate", (50, 50, 5e-4), (0, 0, 0))

@@ -136,6 +136,8 @@ def test_every_reader_gives_arrays_of_one_length_in_order(weather, tmp_path):
         ("notes.txt", "Dear reader,\n", "is not a weather file that is known here"),
         ("boston.epw", "Dear reader,\n", "is not an EPW file"),
         ("a.csv", "Source,Latitude\nNSRDB,42\nYear,Month\n2019,1\n", "longitude is “”"),
+        ("a.csv", "Source;Location ID;City;State;Country;Latitude\n", "separated by semicolons"),
+        ("a.csv", "1\tA\tMA\t-5\t42\t-71\t9\nDate (MM/DD/YYYY)\tTime\n", "separated by tabs"),
         ("a.csv", "time(UTC),T2m\n20190101:0000,1\n", "no longitude or time offset"),
     ],
 )
