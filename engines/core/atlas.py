@@ -17,6 +17,7 @@ _DUST = 1e-3  # of a texel: what covers less, and has no such neighbour, is not 
 _STEPS = 4  # texels that a sliver's light may go
 _SLACK = 1e-3  # of the map, or of the surface: what may be amiss
 _ROUNDED = 1e-5  # how far a coordinate may be outside 0..1
+_ANEW = "unwrap it anew or clear its UV map so that Heliform unwraps it."
 _AROUND = [(0, -1), (0, 1), (-1, 0), (1, 0), (-1, -1), (-1, 1), (1, -1), (1, 1)]
 
 
@@ -43,6 +44,7 @@ class Texels:
     face: NDArray[np.int32]
     home: NDArray[np.int32]
     inside: NDArray[np.bool_]
+    shared: float
 
     def gathered(self, amounts: Vector) -> Vector:
         """``amounts`` (rows, columns), such as flux in lm, each brought home; their sum stays."""
@@ -71,6 +73,7 @@ def texels(surface: Surface) -> Texels:
         order = order[area[order] > most[some.texel[order]]]  # of equals, the last one stays
         most[some.texel[order]] = area[order]
         face[some.texel[order]] = some.face[order]
+    shared = _claimed_twice(sums[1])
     home = _homes(sums[1].reshape(rows, columns), face, _charts(surface))
     moved = np.flatnonzero(home != np.arange(len(home)))
     for total in sums:
@@ -87,7 +90,28 @@ def texels(surface: Surface) -> Texels:
         face.reshape(shape),
         home.reshape(shape).astype(np.int32),
         ((area > 0) & (covered >= _DUST)).reshape(shape),
+        shared,
     )
+
+
+def spots(surface: Surface, texels: Texels) -> tuple[Vector, Vector]:
+    """A place on the surface for each texel that is ``inside``, in m, and the unit normal there.
+
+    Both (N, 3), in the texels' order: the centroid of what the texel's ``face`` covers of it. A
+    texel's own centroid is off the surface where that bends within the texel.
+    """
+    shown = np.flatnonzero(texels.inside)
+    face = texels.face.ravel()
+    used, number = np.unique(face[shown], return_inverse=True)
+    mesh, of = surface.mesh, np.full(face.size, -1)
+    of[shown] = number
+    weights = np.zeros((3, face.size))
+    for some in pieces(surface.texture[used], surface.columns, surface.rows):
+        own = of[some.texel] == some.face
+        weights[:, some.texel[own]] = some.weights[:, own]
+    corners = mesh.vertices[mesh.faces[face[shown]]]
+    normals = _areas(Mesh(mesh.vertices, mesh.faces[used]))[1]
+    return np.einsum("kn,nki->ni", weights[:, shown], corners), normals[number]
 
 
 def _areas(mesh: Mesh) -> tuple[Vector, Vector]:
@@ -96,6 +120,11 @@ def _areas(mesh: Mesh) -> tuple[Vector, Vector]:
     cross = np.cross(b - a, c - a)
     length = np.sqrt(np.einsum("fi,fi->f", cross, cross))
     return length / 2, np.divide(cross, length[:, None], out=cross, where=length[:, None] > 0)
+
+
+def without_area(mesh: Mesh) -> int:
+    """How many of the faces have none, and so no texel."""
+    return len(mesh.faces) - len(_solid(_areas(mesh)[0]))
 
 
 def _solid(areas: Vector) -> Indices:
@@ -168,7 +197,10 @@ def overlapping(surface: Surface) -> float:
     a side at least. Faces without area claim nothing.
     """
     sides = max(surface.columns, 512), max(surface.rows, 512)
-    claimed = coverage(surface.texture[_solid(_areas(surface.mesh)[0])], *sides)
+    return _claimed_twice(coverage(surface.texture[_solid(_areas(surface.mesh)[0])], *sides))
+
+
+def _claimed_twice(claimed: Vector) -> float:
     used = np.minimum(claimed, 1.0).sum()
     twice = np.clip(claimed - 1.0, 0.0, 1.0)
     return float(twice[twice > 1e-6].sum() / used) if used > 0 else 0.0
@@ -180,8 +212,21 @@ def require_chart(surface: Surface) -> None:
     That is: there is a surface, and the map has a place within 0..1 for each part of it, its own.
     Faces without area may have any; a thousandth may be amiss.
     """
+    _require_places(surface)
+    _require_own(surface, overlapping(surface))
+
+
+def charted(surface: Surface) -> Texels:
+    """The texels of a surface's map. Raises SceneError as `require_chart`; whether faces share a
+    place in the map is judged by its own texels, which costs nothing."""
+    _require_places(surface)
+    found = texels(surface)
+    _require_own(surface, found.shared)
+    return found
+
+
+def _require_places(surface: Surface) -> None:
     name = surface.name
-    anew = "unwrap it anew or clear its UV map so that Heliform unwraps it."
     areas, _ = _areas(surface.mesh)
     if not np.isfinite(areas).all():
         raise SceneError(
@@ -193,12 +238,12 @@ def require_chart(surface: Surface) -> None:
     solid = _solid(areas)
     areas, texture = areas[solid], surface.texture[solid]
     if not np.isfinite(texture).all():
-        raise SceneError(f"Receiver “{name}” has UVs that are not numbers; {anew}")
+        raise SceneError(f"Receiver “{name}” has UVs that are not numbers; {_ANEW}")
     low, high = texture.min(), texture.max()
     if low < -_ROUNDED or high > 1 + _ROUNDED:
         raise SceneError(
             f"Receiver “{name}” has UVs outside its map, from {low:.4g} to {high:.4g} "
-            f"where 0 to 1 is; scale them into it, or {anew}"
+            f"where 0 to 1 is; scale them into it, or {_ANEW}"
         )
     a, b, c = texture.transpose(1, 2, 0)
     twice = np.abs((b - a)[0] * (c - a)[1] - (c - a)[0] * (b - a)[1])
@@ -206,12 +251,15 @@ def require_chart(surface: Surface) -> None:
     if lost > _SLACK:
         raise SceneError(
             f"Receiver “{name}” has no place in its UV map for {_percent(lost)} of its surface; "
-            + anew
+            + _ANEW
         )
-    shared = overlapping(surface)
+
+
+def _require_own(surface: Surface, shared: float) -> None:
     if shared > _SLACK:
         raise SceneError(
-            f"Receiver “{name}” has overlapping UVs ({_percent(shared)} of its map); {anew}"
+            f"Receiver “{surface.name}” has overlapping UVs ({_percent(shared)} of its map); "
+            + _ANEW
         )
 
 

@@ -10,6 +10,8 @@ from .inside import inside
 from .occlusion import Occluders
 from .rays import Rays, facing
 
+_NAMED = 3  # solids at most that have a sentence each
+
 
 @dataclass
 class Blind:
@@ -26,7 +28,7 @@ class Blind:
         return Blind(self.count + other.count, self.away + other.away, self.inside + other.inside)
 
     def told(self) -> tuple[str, ...]:
-        """A sentence on each kind."""
+        """A sentence on each kind; many solids have one together."""
         told = []
         if self.away:
             some = "All" if self.away == self.count else f"{self.away:,} of"
@@ -34,10 +36,14 @@ class Blind:
                 f"{some} {self.count:,} sensors face away from every direction and see nothing; "
                 "if they should not, turn their normals."
             )
+        solids = {f"“{name}”": number for name, number in self.inside.items()}
+        if len(solids) > _NAMED:
+            most = max(solids, key=lambda name: solids[name])
+            solids = {f"{len(solids):,} bodies, most of them in {most}": self.inside.total()}
         told += [
-            f"{number:,} of {self.count:,} sensors lie inside “{name}” and see nothing; move them, "
+            f"{number:,} of {self.count:,} sensors lie inside {solid} and see nothing; move them, "
             "or turn their normals if that is the body they are on."
-            for name, number in self.inside.items()
+            for solid, number in solids.items()
         ]
         return tuple(told)
 

@@ -14,6 +14,7 @@ from ..core.scene import Scene
 from .annual import light_at
 from .daylight_figures import daylight_figures, exposure_date, is_annual, told_below
 from .dome import Dome
+from .hidden import unlit
 from .illuminance import Course, course_of
 from .interior import Interior
 from .maps import SunMap, SunMaps, quantities_of
@@ -103,6 +104,8 @@ def study_daylight(
     figures, said = daylight_figures(maps, rooms, course, years, record)
     notes = [*course.notes, *season_notes(record.period, course.dome.site)]
     notes += [*told_of(scene, rooms, years), *_notes(scene, record, rooms), *said]
+    factors = np.concatenate([year.values["daylight_factor"] for year in years])
+    notes += unlit(rooms[0].occluders, scene.receivers, parts, factors)
     meta: dict[str, Any] = {
         "kind": "daylight",
         "parameters": to_table(record),

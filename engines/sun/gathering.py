@@ -9,6 +9,7 @@ from ..core.progress import SILENT, Progress, part
 from ..core.scene import Vector
 from . import bits, panes
 from .blind import blind
+from .hidden import skyless
 from .occlusion import Occluders
 from .rays import GRAZING, rays_of
 from .sensors import Sensors
@@ -25,13 +26,15 @@ class Gathered:
 
     ``direct`` and ``diffuse`` (N,) in kWh/m²; ``hours`` (N,): how long they see the sun, be it
     through glass. ``arriving`` (D, 3): visibility × normal for each direction, as a mean over the
-    sensors by area. ``notes``: what a reader must know.
+    sensors by area. ``dark`` (N,): which see neither sun nor sky. ``notes``: what a reader must
+    know.
     """
 
     direct: Vector
     diffuse: Vector
     hours: Vector
     arriving: Vector
+    dark: NDArray[np.bool_]
     notes: tuple[str, ...]
 
 
@@ -54,7 +57,7 @@ def gather(
     count, columns = len(sensors), len(sources.directions)
     areas = weights_of(sensors)
     out, arriving = np.empty((3, count)), np.zeros((columns, 3))
-    any_seen = np.zeros((count, 1), np.uint8)
+    any_seen, dark = np.zeros((count, 1), np.uint8), np.zeros(count, bool)
     step = max(1, _RAYS // max(columns, 1))
     for start in range(0, count, step):
         rows = slice(start, min(start + step, count))
@@ -63,17 +66,19 @@ def gather(
         out[:, rows], some = summed(seen, areas[rows], sources)
         arriving += some
         any_seen[rows, 0] = seen.seen.any(axis=1)
+        dark[rows] = skyless(seen.seen, sources.directions)
     fan = rays_of(occluders, sensors, sources.directions)
     found = blind(occluders, fan, any_seen)
     notes = (*sensors.notes, *fan.told(), *found.told(), *panes.told(occluders.panes))
     direct, diffuse, hours = out
-    return Gathered(direct, diffuse, hours, arriving, notes)
+    return Gathered(direct, diffuse, hours, arriving, dark, notes)
 
 
 def gathered(seen: Visibility, sensors: Sensors, sources: Sources) -> Gathered:
     """`gather` where it is known what the sensors see."""
     (direct, diffuse, hours), arriving = summed(seen, weights_of(sensors), sources)
-    return Gathered(direct, diffuse, hours, arriving, seen.notes)
+    dark = skyless(seen.seen, sources.directions)
+    return Gathered(direct, diffuse, hours, arriving, dark, seen.notes)
 
 
 def summed(seen: Visibility, areas: Vector, sources: Sources) -> tuple[Vector, Vector]:

@@ -16,24 +16,31 @@ _LEAN = 0.6  # how far the two further rays lean from the normal: 37°
 def inside(
     occluders: Occluders, origins: NDArray[np.float32], normals: NDArray[np.float32]
 ) -> Counter[str]:
-    """How many of the sensors are inside of which solid, by its name.
+    """How many of the sensors are inside of which solid, by its name. As `holders` tells."""
+    return Counter(name for name in holders(occluders, origins, normals) if name)
+
+
+def holders(
+    occluders: Occluders, origins: NDArray[np.float32], normals: NDArray[np.float32]
+) -> list[str]:
+    """The solid that each of the sensors is inside of, by its name, “” where there is none.
 
     ``origins``, ``normals`` (N, 3) are as in `rays.Rays`. Three rays a sensor, within 37° of its
     normal, meet a solid from behind, all three of them. Only closed bodies that block light are
     solids here; one that is inside out is one as well.
     """
-    found: Counter[str] = Counter()
+    names = [""] * len(origins)
     for soup in (occluders.still, occluders.moving):
         if soup.scene is None:
             continue
         for start in range(0, len(origins), BATCH):
             rows = slice(start, start + BATCH)
             owner = _owner(soup, origins[rows], normals[rows])
-            bodies, counts = np.unique(owner[owner >= 0], return_counts=True)
-            for body, count in zip(bodies.tolist(), counts.tolist(), strict=True):
-                if soup.closed(body):
-                    found[soup.bodies[body].name] += count
-    return found
+            for row in np.flatnonzero(owner >= 0).tolist():
+                body = int(owner[row])
+                if not names[start + row] and soup.solid(body):
+                    names[start + row] = soup.bodies[body].name
+    return names
 
 
 def _owner(

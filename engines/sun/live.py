@@ -18,11 +18,12 @@ from .radiation import (
     Radiation,
     course_of,
     light_of,
-    looking_down,
     maps_of,
     meta_of,
+    notes_of,
     sensors_in,
     sensors_on,
+    unreflected,
 )
 from .remembered import Remembered
 from .sensors import Sensors, joined
@@ -64,9 +65,9 @@ class LiveSun:
         free = self._open(sensors, sources) if record.open else None
         maps = maps_of(scene, parts, found, free)
         means = course_of(sources, found.arriving, free) if hourly else {}
-        notes = [*found.notes, *looking_down(scene, parts)]
-        if record.bounces:
-            notes.append("What bodies reflect is left out while the study is live.")
+        notes = notes_of(scene, occluders, parts, found)
+        remedy = "a study adds it" if record.bounces else "raise Bounces, and a study adds it"
+        notes += unreflected(scene, remedy)
         meta = meta_of(record, sources, notes)
         meta |= {"figures": figures_of(maps), "quantities": quantities_of(maps), "seed": 0}
         meta["seconds"] = time.perf_counter() - started

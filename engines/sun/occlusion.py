@@ -34,7 +34,10 @@ class Occluders:
         self.update(bodies)
 
     def update(self, bodies: Iterable[Body]) -> None:
-        """Take ``bodies`` in place of those before; what is the same is told by its content."""
+        """Take ``bodies`` in place of those before; what is the same is told by its content.
+
+        The very same `Mesh` is taken to be as it was: give a new one where its arrays have changed.
+        """
         named = _numbered(bodies)
         first = not self._digests
         digests = {key: self._digest(key, body) for key, body in named.items()}

@@ -2,26 +2,28 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import VERSION
-from ..core.atlas import texels
 from ..core.errors import SceneError
 from ..core.parameters import nested, param, to_table
 from ..core.progress import SILENT, Progress, part
 from ..core.scene import Receiver, Scene, Surface, Vector
 from .gathering import Free, Gathered, gather, unobstructed
+from .hidden import hidden
 from .maps import SunMap, SunMaps, figures_of, quantities_of
-from .occlusion import Occluders, bodies_of
+from .occlusion import Occluders, bodies_of, is_pane
 from .periods import Period, period_text
 from .reflected import Reflected, reflect
 from .sensors import Sensors, joined, of_receiver
 from .site import Site
+from .surroundings import returned_by
 from .weights import Sources, sources_of, weather_of
+from .winding import wound
 from .words import facts_of
 
 _DOWN = -0.5  # the mean of a receiver's normals, below which it is said to look down
@@ -82,10 +84,12 @@ def study_radiation(
     free = unobstructed(sensors, sources) if record.open else None
     maps = maps_of(scene, parts, found, free, thrown)
     hourly = course_of(sources, found.arriving, free)
-    notes = [*found.notes, *looking_down(scene, parts)]
+    notes = notes_of(scene, occluders, parts, found)
     if thrown:
         hourly["reflected"] = thrown.course
         notes += [*thrown.notes, said_of(thrown, record)]
+    else:
+        notes += unreflected(scene, "raise Bounces to add it")
     meta = meta_of(record, sources, notes)
     meta |= {"figures": figures_of(maps), "quantities": quantities_of(maps), "seed": seed}
     meta["seconds"] = time.perf_counter() - started
@@ -154,11 +158,36 @@ def course_of(sources: Sources, arriving: Vector, free: Free | None) -> dict[str
     return hourly
 
 
+def notes_of(
+    scene: Scene, occluders: Occluders, parts: Sequence[Sensors], found: Gathered
+) -> list[str]:
+    """What to beware of in what the sensors of each receiver, ``parts``, have `Gathered`."""
+    return [
+        *found.notes,
+        *looking_down(scene, parts),
+        *hidden(occluders, scene.receivers, parts, found.dark),
+    ]
+
+
+def unreflected(scene: Scene, remedy: str) -> list[str]:
+    """A sentence on what bodies reflect, and one on each ground glass, where that is left out."""
+    told = [
+        f"“{body.name}” is ground glass and black here, as what it scatters is left out; {remedy}."
+        for body in scene.bodies
+        if body.material.kind == "dielectric" and not is_pane(body.material)
+    ]
+    if any(returned_by(body.material)[0] > 0 for body in scene.bodies):
+        mirrors = [f"“{body.name}”" for body in scene.bodies if body.material.kind == "mirror"]
+        those = f", also what a mirror does ({', '.join(mirrors)})" if mirrors else ""
+        told.append(f"What bodies reflect is left out{those}; {remedy}.")
+    return told
+
+
 def said_of(thrown: Reflected, record: Radiation) -> str:
     """How well what is reflected is known."""
     return (
         f"Light is given up after {record.bounces} reflections; what is reflected is known to "
-        f"{100 * thrown.error:.2g} % (95 %), its sun from the sky's patches, "
+        f"{100 * thrown.error:.2g} % (95 %). In mirrors the sun is spread over the sky's patches, "
         f"{12 / record.subdivision:g}° wide."
     )
 
@@ -196,11 +225,17 @@ def looking_down(scene: Scene, parts: Sequence[Sensors]) -> list[str]:
 
 
 def sensors_on(receiver: Receiver | Surface) -> Sensors:
-    covered = None if isinstance(receiver, Receiver) else texels(receiver)
-    sensors = of_receiver(receiver, covered)
+    """The sensors of a receiver, with notes on a mesh that looks two ways or inward.
+
+    Raises SceneError where it has no area, or no place for each part of it in its map.
+    """
+    sensors = of_receiver(receiver)
     if not len(sensors):
         raise SceneError(f"Receiver “{receiver.name}” has no area to measure on; give it faces.")
-    return sensors
+    if isinstance(receiver, Receiver):
+        return sensors
+    said = wound(receiver)
+    return replace(sensors, notes=(*sensors.notes, *said), doubtful=bool(said))
 
 
 def areas_of(receiver: Receiver | Surface, sensors: Sensors) -> NDArray[np.float32]:

@@ -6,8 +6,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.atlas import Texels, require_chart
-from ..core.atlas import texels as texels_of
+from ..core.atlas import charted, spots, without_area
 from ..core.errors import ParameterError, SceneError
 from ..core.scene import Mesh, Receiver, Surface, Vector
 
@@ -23,7 +22,8 @@ class Sensors:
     0 where a sensor is a mere point. Rays start ``offset`` m off the points along the normals.
     ``home`` (N,) int64: the flat index of each sensor in an array of ``shape``: faces (F,),
     vertices (V,), a grid or a map (rows, columns), or (2, rows, columns) for front and back.
-    ``notes``: what was left out.
+    ``notes``: what was left out. ``doubtful``: whether some may look to the wrong side, which the
+    notes say then.
     """
 
     points: Vector
@@ -33,6 +33,7 @@ class Sensors:
     home: NDArray[np.int64]
     shape: tuple[int, ...]
     notes: tuple[str, ...] = ()
+    doubtful: bool = False
 
     def __len__(self) -> int:
         return len(self.points)
@@ -112,9 +113,11 @@ def on_mesh(
 ) -> Sensors:
     """A sensor at the centroid of each face of a mesh, or at each vertex.
 
-    A vertex stands for a third of its triangles' area and looks along their mean normal, by area.
-    Faces without area and vertices without such a face are left out and said in the notes. Raises
-    SceneError, naming the mesh, for vertices that are not finite and where nothing is left.
+    Of a warped quadrilateral the larger triangle has the sensor, nearest to the centroid of both. A
+    vertex stands for a third of its triangles' area and looks along their mean normal, by area;
+    where they bend, they hide some of what is in front of it. Faces without area and vertices
+    without such a face are left out and said in the notes. Raises SceneError, naming the mesh, for
+    vertices that are not finite and where nothing is left.
     """
     if not np.isfinite(mesh.vertices).all():
         raise SceneError(f"“{name}” has vertices that are not finite numbers; rebuild its mesh.")
@@ -123,14 +126,7 @@ def on_mesh(
     vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
     areas = np.linalg.norm(vectors, axis=1)
     if per == "face":
-        # A quadrilateral is two triangles in a row.
-        split = mesh.faces.shape[1] - 2
-        weighted = (corners.mean(axis=1) * areas[:, None]).reshape(-1, split, 3).sum(axis=1)
-        vectors = vectors.reshape(-1, split, 3).sum(axis=1)
-        areas = areas.reshape(-1, split).sum(axis=1)
-        points = np.divide(
-            weighted, areas[:, None], out=np.zeros_like(weighted), where=areas[:, None] > 0
-        )
+        points, vectors, areas = _middles(corners, vectors, areas, mesh.faces.shape[1] - 2)
     else:
         points, owners = mesh.vertices, triangles.faces.T.ravel()
         count = len(points)
@@ -144,19 +140,43 @@ def on_mesh(
     if not len(keep):
         raise SceneError(f"“{name}” has no face with an area to measure on; give it faces.")
     lost = len(areas) - len(keep)
-    things = {"face": ("face has", "faces have"), "vertex": ("vertex has", "vertices have")}[per]
-    notes = (f"“{name}”: {lost:,} {things[lost > 1]} no area and no sensor.",) if lost else ()
+    have = "vertex has" if lost == 1 else "vertices have"
+    vertices = (f"“{name}”: {lost:,} {have} no area and no sensor.",) if lost else ()
+    notes = _flat_faces(name, lost) if per == "face" else vertices
     normals = vectors[keep] / length[keep, None]
     return Sensors(points[keep], normals, areas[keep], offset, keep, (len(areas),), notes)
 
 
-def of_receiver(
-    receiver: Receiver | Surface, texels: Texels | None = None, *, offset: float = OFFSET
-) -> Sensors:
+def _middles(
+    corners: Vector, vectors: Vector, areas: Vector, split: int
+) -> tuple[Vector, Vector, Vector]:
+    """Points and area vectors (F, 3) and areas (F,) of faces of ``split`` triangles in a row each.
+
+    A point lies on the face's largest triangle, whose area vector is the face's.
+    """
+    corners = corners.reshape(-1, split, 3, 3)
+    vectors, areas = vectors.reshape(-1, split, 3), areas.reshape(-1, split)
+    total = areas.sum(axis=1)
+    largest = np.arange(len(areas)), areas.argmax(axis=1)
+    corner, vector = corners[largest], vectors[largest]
+    middle = np.einsum("fk,fkji->fi", areas, corners) / 3
+    middle /= np.where(total > 0, total, 1)[:, None]
+    # Shares of its three corners, by the areas that the middle's foot makes with the others.
+    spokes = corner - middle[:, None]
+    parts = np.cross(np.roll(spokes, -1, axis=1), np.roll(spokes, -2, axis=1))
+    weights = np.maximum(np.einsum("fki,fi->fk", parts, vector), 0)
+    whole = weights.sum(axis=1, keepdims=True)
+    weights = np.divide(weights, whole, out=weights, where=whole > 0)
+    return np.einsum("fk,fki->fi", weights, corner), vector, total
+
+
+def of_receiver(receiver: Receiver | Surface, *, offset: float = OFFSET) -> Sensors:
     """A sensor at the middle of each of a receiver's texels, front first where both sides gather.
 
-    A mesh has them where its map shows something; ``texels`` may say so where it is known already.
-    Raises SceneError where its map is none.
+    A mesh has them where its map shows something. They lie on it: where a texel is of several
+    faces, on that with most of it, and look as that does, so that no surface that bends hides its
+    own sensors. How many faces have no area, and no sensor, is in the notes. Raises SceneError
+    where its map is none.
     """
     if isinstance(receiver, Receiver):
         s = (np.arange(receiver.columns) + 0.5) / receiver.columns
@@ -166,20 +186,25 @@ def of_receiver(
         points, home = places.reshape(-1, 3), np.arange(count)
         normals = np.tile(receiver.normal, (count, 1))
         areas = np.full(count, receiver.texel_area)
+        notes: tuple[str, ...] = ()
     else:
-        if texels is None:
-            require_chart(receiver)
-            texels = texels_of(receiver)
+        texels = charted(receiver)
         home = np.flatnonzero(texels.inside)
-        points, normals = texels.place.reshape(-1, 3)[home], texels.normal.reshape(-1, 3)[home]
+        points, normals = spots(receiver, texels)
         areas = texels.area.ravel()[home]
+        notes = _flat_faces(receiver.name, without_area(receiver.mesh))
     shape = (receiver.rows, receiver.columns)
-    front = Sensors(points, normals, areas, offset, home, shape)
+    front = Sensors(points, normals, areas, offset, home, shape, notes)
     if receiver.sides == "front":
         return front
     both = joined(front, front.turned())
     beside = np.concatenate([home, home + receiver.rows * receiver.columns])
-    return replace(both, home=beside, shape=(2, *shape))
+    return replace(both, home=beside, shape=(2, *shape), notes=notes)
+
+
+def _flat_faces(name: str, lost: int) -> tuple[str, ...]:
+    have = "face has" if lost == 1 else "faces have"
+    return (f"“{name}”: {lost:,} {have} no area and no sensor.",) if lost else ()
 
 
 def joined(*parts: Sensors) -> Sensors:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene import Body, Vector
-from ..core.solid import inspect
+from ..core.solid import Report, inspect
 from ..core.tree import Tree
 
 CLOSE = 1e-6
@@ -33,7 +33,7 @@ class Soup:
         self.reach = 0.0
         self._tree: Tree | None = None
         self._orientation: Vector | None = None
-        self._closed: dict[int, bool] = {}
+        self._reports: dict[int, Report] = {}
         self.put(bodies)
 
     def put(self, bodies: tuple[Body, ...]) -> None:
@@ -42,7 +42,7 @@ class Soup:
         same = np.array_equal(faces, self.faces) and len(vertices) == len(self.vertices)
         self.bodies, self.vertices, self.faces, self.owner = bodies, vertices, faces, owner
         self.reach = float(np.abs(vertices).max(initial=0.0))
-        self._orientation, self._closed = None, {}
+        self._orientation, self._reports = None, {}
         if not len(faces):
             self._tree = None
         elif same and self._tree is not None:
@@ -90,9 +90,16 @@ class Soup:
 
     def closed(self, body: int) -> bool:
         """Whether that body's faces enclose something."""
-        if body not in self._closed:
-            self._closed[body] = inspect(self.bodies[body].mesh).open_edges == 0
-        return self._closed[body]
+        return self._report(body).open_edges == 0
+
+    def solid(self, body: int) -> bool:
+        """Whether they do, and all look outward or all inward."""
+        return self.closed(body) and self._report(body).twisted_edges == 0
+
+    def _report(self, body: int) -> Report:
+        if body not in self._reports:
+            self._reports[body] = inspect(self.bodies[body].mesh)
+        return self._reports[body]
 
 
 def _triangles(

@@ -59,11 +59,11 @@ def _own(soup: Soup, number: int) -> tuple[float, float, float, float]:
     if material.kind == "dielectric":
         finish = CLEAR if is_pane(material) else GROUND
         return finish, material.ior, panes.tint(material), float(not soup.closed(number))
-    returned, mirrored = _returned(material)
+    returned, mirrored = returned_by(material)
     return 0.0, returned, mirrored / returned if returned else 0.0, 0.0
 
 
-def _returned(material: Material) -> tuple[float, float]:
+def returned_by(material: Material) -> tuple[float, float]:
     """What an opaque surface returns in all, and as a mirror does."""
     match material.kind:
         case "diffuse":

@@ -18,7 +18,11 @@ QUANTITIES: dict[str, tuple[str, str, str]] = {
     "direct": ("Direct irradiation", "kWh/m²", "What comes straight from the sun."),
     "diffuse": ("Diffuse irradiation", "kWh/m²", "What comes from the sky and off the ground."),
     "reflected": ("Reflected irradiation", "kWh/m²", "What comes off bodies and receivers."),
-    "total": ("Irradiation", "kWh/m²", "All that comes from sun, sky, ground and bodies."),
+    "total": (
+        "Irradiation",
+        "kWh/m²",
+        "From sun, sky and ground, and off bodies where that is followed.",
+    ),
     "open": ("Irradiation without buildings", "kWh/m²", "The same in an open field."),
     "shading": ("Shading", "%", "What share of the irradiation in an open field is kept off."),
     "daylight_factor": ("Daylight factor", "%", "Illuminance over that outdoors, overcast."),
