@@ -15,11 +15,11 @@ demo: setup ## trace a printed glass tube under a lamp into out/demo
 	@.venv/bin/heliform demo --out out/demo
 
 test: setup ## run the tests, and those that drive a Blender 5.2 where there is one
-	@PYTHONHASHSEED=0 $(PYTHON) -m pytest -q -rs -n 2 --dist loadfile -m "not slow and not ui"
+	@PYTHONHASHSEED=0 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q -rs -n 2 --dist loadfile -m "not slow and not ui"
 	@$(PYTHON) -m pytest -q -rs -m "ui and not slow"
 
 test-all: setup ## run every test, also those that take minutes
-	@PYTHONHASHSEED=0 $(PYTHON) -m pytest -q -rs -n 2 --dist loadfile -m "not ui"
+	@PYTHONHASHSEED=0 OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest -q -rs -n 2 --dist loadfile -m "not ui"
 	@$(PYTHON) -m pytest -q -rs -m ui
 
 lint: setup ## check style, format and types

@@ -5,6 +5,7 @@ import errno
 import hashlib
 import re
 import secrets
+import tokenize
 import unicodedata
 import zipfile
 import zlib
@@ -27,7 +28,7 @@ _REMEDIES = {
 
 BROKEN = (
     *(OSError, EOFError, ValueError, TypeError, KeyError, AttributeError, RuntimeError),
-    *(zipfile.BadZipFile, zlib.error),
+    *(zipfile.BadZipFile, zlib.error, SyntaxError, tokenize.TokenError),
 )
 """What NumPy, zipfile and zlib raise over an archive that is none, or is damaged."""
 

@@ -270,12 +270,45 @@ def reopened() -> Generator[float]:
     assert module("addon.bridge.layers").layer_of(ground()).quantity == "Sun hours"
 
 
+def daylit() -> Generator[float]:
+    """The shipped room with a work plane of its own: its daylight, looked at from outside."""
+    jobs, sun = window.jobs(), module("addon.bridge.sun")
+    scene = bpy.context.scene
+    for obj in list(scene.objects):
+        bpy.data.objects.remove(obj)
+    scene.heliform.sun_path = False
+    file = module("addon.bridge.studies").SHIPPED / "sun-room.toml"
+    window.call(bpy.ops.heliform.load_study, filepath=str(file))
+    yield 1.0
+    receivers = [o for o in bpy.context.scene.objects if o.heliform.role == "RECEIVER"]
+    bpy.data.objects.remove(receivers[0])
+    choose(bpy.data.objects["floor"])
+    window.call(bpy.ops.heliform.add_work_plane)
+    plane = bpy.context.object
+    assert plane.heliform.role == "RECEIVER"
+    bpy.context.scene.heliform.daylight.error = 0.05
+    window.call(bpy.ops.view3d.view_all)
+    yield 1.0
+    window.picture("room")
+    window.call(bpy.ops.heliform.study_daylight, "INVOKE_DEFAULT")
+    while jobs.state.running:
+        yield 0.1
+    assert not jobs.state.message, jobs.state.message
+    bpy.context.scene.heliform.see_inside = True
+    yield 1.0
+    window.picture("daylight")
+    assert 50 < sun.mean_on(plane, "daylight_autonomy") <= 100
+    window.call(bpy.ops.heliform.sun_sensor, "EXEC_DEFAULT")
+    yield 1.0
+    window.picture("daylight picked")
+
+
 def steps() -> Generator[float]:
     window.load()
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
     yield from window.open_sidebar()
-    for stage in (built, studied, followed, picked, drawn, refused, reopened):
+    for stage in (built, studied, followed, picked, drawn, refused, reopened, daylit):
         begun = time.perf_counter()
         yield from stage()
         print(f"{stage.__name__}: {time.perf_counter() - begun:.1f} s", flush=True)
