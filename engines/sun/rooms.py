@@ -78,8 +78,8 @@ def nearest(rooms: tuple[Interior, ...], sensors: Sensors) -> Interior:
 
 def told_of(scene: Scene, rooms: tuple[Interior, ...], years: tuple[Year, ...]) -> Iterator[str]:
     """What is said of the bodies, and of each receiver's sensors by its name."""
-    of_all = rooms[0].around.told()
-    yield from of_all
-    for receiver, year in zip(scene.receivers, years, strict=True):
+    yield from rooms[0].around.told()
+    for receiver, room, year in zip(scene.receivers, rooms, years, strict=True):
+        yield from room.sensors.notes
         name = f"“{receiver.name}”: " if len(years) > 1 else ""
-        yield from (f"{name}{note}" for note in year.notes if note not in of_all)
+        yield from (f"{name}{note}" for note in year.notes)

@@ -38,11 +38,7 @@ class Surroundings:
 
     def told(self) -> tuple[str, ...]:
         """What is left out of how its materials treat light, a sentence each."""
-        return (*_left_out(self.soup.bodies), *panes.told(self._only_panes()))
-
-    def _only_panes(self) -> Soup:
-        glass = tuple(body for body in self.soup.bodies if is_pane(body.material))
-        return Soup(glass, self.soup.centre)
+        return (*_left_out(self.soup.bodies), *panes.told(self.soup))
 
 
 def _records(soup: Soup) -> NDArray[np.float32]:
