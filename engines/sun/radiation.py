@@ -24,7 +24,7 @@ from .site import Site
 from .surroundings import returned_by
 from .weights import Sources, sources_of, weather_of
 from .winding import wound
-from .words import facts_of
+from .words import facts_of, share_text
 
 _DOWN = -0.5  # the mean of a receiver's normals, below which it is said to look down
 
@@ -187,7 +187,7 @@ def said_of(thrown: Reflected, record: Radiation) -> str:
     """How well what is reflected is known."""
     return (
         f"Light is given up after {record.bounces} reflections; what is reflected is known to "
-        f"{100 * thrown.error:.2g} % (95 %). In mirrors the sun is spread over the sky's patches, "
+        f"{share_text(thrown.error)} (95 %). In mirrors the sun is spread over the sky's patches, "
         f"{12 / record.subdivision:g}° wide."
     )
 

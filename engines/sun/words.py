@@ -29,7 +29,7 @@ _PATTERNS = (
     (r"error_hour", _ERROR, "Single hour"),
 )
 _GRAVE = (
-    *("lie inside", "looks down", "face away", "hidden", "never up", "deleted"),
+    *("lie inside", "looks down", "looks inward", "wrong side", "No floor", "face away", "hidden", "never up", "deleted"),
     *("check the", "no area", "guessed", "by its name", "named", "No body is clear glass"),
 )
 _THIN_SPACE = "\u2009"
@@ -76,6 +76,11 @@ def number_text(value: float) -> str:
         return text if "e" not in text else "0"
     whole = round(value) if abs(value) < 10_000 else round(float(f"{value:.3g}"))
     return f"{whole:,}".replace(",", _THIN_SPACE) if abs(whole) >= 10_000 else str(whole)
+
+
+def share_text(share: float) -> str:
+    """An error or another share of two digits: “3.7 %”, “20 %”, “120 %”."""
+    return f"{number_text(float(f'{100 * share:.2g}'))} %"
 
 
 def facts_of(meta: Mapping[str, Any]) -> dict[str, str]:
