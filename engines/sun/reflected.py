@@ -18,7 +18,7 @@ from .shadow_rays import aims_at
 from .site import to_model
 from .sky import Suns
 from .sky_matrix import matrix_blocks
-from .surroundings import Surroundings
+from .surroundings import Surroundings, is_shiny
 from .weights import Sources
 
 
@@ -61,7 +61,7 @@ def reflect(
     """
     bodies = bodies_of(scene)
     around = Surroundings(bodies)
-    shiny = any(body.material.kind in ("mirror", "plastic") for body in bodies)
+    shiny = any(is_shiny(body.material) for body in bodies)
     lights = _lights_of(sources, error, shiny)
     found, spread = np.empty((2, len(sensors)))
     mean = np.zeros((3, lights.dome.count))

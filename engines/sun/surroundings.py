@@ -72,6 +72,11 @@ def returned_by(material: Material) -> tuple[float, float]:
     return 0.0, 0.0
 
 
+def is_shiny(material: Material) -> bool:
+    """Whether it returns some of the light as a mirror does."""
+    return returned_by(material)[1] > 0
+
+
 def _left_out(bodies: tuple[Body, ...]) -> Iterator[str]:
     for body in bodies:
         if body.material.kind == "dielectric" and not is_pane(body.material):

@@ -29,8 +29,9 @@ _PATTERNS = (
     (r"error_hour", _ERROR, "Single hour"),
 )
 _GRAVE = (
-    *("lie inside", "looks down", "looks inward", "wrong side", "No floor", "face away", "hidden", "never up", "deleted"),
-    *("check the", "no area", "guessed", "by its name", "named", "No body is clear glass"),
+    *("lie inside", "looks down", "looks inward", "wrong side", "face away", "hidden"),
+    *("never up", "deleted", "check the", "no area", "No floor", "guessed", "by its name"),
+    *("named", "No body is clear glass"),
 )
 _THIN_SPACE = "\u2009"
 
