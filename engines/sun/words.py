@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..core.parameters import from_table
+from .en17037 import LEVELS
 from .site import Site, place_text
 from .tables import QUANTITIES
-
-LEVELS = ("none", "minimum", "medium", "high")
-"""The levels of EN 17037 by their number."""
 
 _KINDS = {"mean": "", "min": ", least", "max": ", greatest", "sum": ", sum"}
 _ERROR = "Error (95 %)"
