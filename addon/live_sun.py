@@ -46,6 +46,7 @@ class _Question:
     objects: dict[str, int]
     folder: Path
     asked: tuple[Scene, Any]
+    notes: tuple[str, ...]
 
 
 state = State()
@@ -110,7 +111,8 @@ def _ask() -> None:
             return
         folder = Path(tempfile.mkdtemp(prefix="live-", dir=bpy.app.tempdir))
         uids = {name: obj.session_uid for name, obj in given.objects.items()}
-        _question = _Question(scene.session_uid, uids, folder, asked)
+        notes = given.notes + given.remarks
+        _question = _Question(scene.session_uid, uids, folder, asked, notes)
         study = save_study(
             folder, scene.name, coarse, SUN_RADIATION, given.parameters, 0, carry=False
         )
@@ -140,7 +142,7 @@ def _hear(ended: Ended) -> None:
         there = {obj.session_uid: obj for obj in scene.objects}
         objects = {name: there[uid] for name, uid in question.objects.items() if uid in there}
         _count()
-        sun.stage(scene, objects, result, None, footing=_rate_text())
+        sun.stage(scene, objects, result, None, question.notes, _rate_text())
         _answered[scene.session_uid] = question.asked
         _say("")
     except HeliformError as error:

@@ -74,13 +74,14 @@ def place(facts: dict[str, Any]) -> str:
 
 def hidden_notes(layer: bpy.types.ViewLayer) -> tuple[str, ...]:
     """A sentence on the bodies and receivers that are on but hidden, so that nothing meets them."""
-    names = [
-        f"“{obj.name}”"
-        for obj in sorted(layer.objects, key=lambda obj: obj.name)
+    hidden = [
+        obj.name
+        for obj in layer.objects
         if obj.heliform.role in ("BODY", "RECEIVER")
         and obj.heliform.on
         and not obj.visible_get(view_layer=layer)
     ]
+    names = [f"“{name}”" for name in sorted(hidden)]
     if not names:
         return ()
     more = [f"{len(names) - _MOST} more"] * (len(names) > _MOST)

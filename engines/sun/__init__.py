@@ -6,8 +6,9 @@ from .box import Box, box_mesh
 from .daylight import Daylight, study_daylight
 from .drawing import draw
 from .live import LiveSun
-from .maps import QUANTITIES, SunMap, SunMaps
+from .maps import SunMap, SunMaps
 from .radiation import Radiation, study_radiation
+from .tables import QUANTITIES
 
 FORMS = (Form("sun.box", Box, box_mesh),)
 SUN_RADIATION = Analysis(

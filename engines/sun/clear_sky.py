@@ -178,7 +178,6 @@ def _cloudless(site: Site, year: int, hours: float, model, source: str) -> Weath
         dew_point=unknown.copy(),
         pressure=np.full(len(times), standard_pressure(site.elevation)),
         source=source,
-        notes=("The model of a clear sky knows no temperature and no dew point.",),
     )
 
 

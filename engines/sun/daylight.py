@@ -21,12 +21,13 @@ from .maps import SunMap, SunMaps, quantities_of
 from .metrics import Light
 from .periods import Period, period_text, season_notes, selected
 from .position import sun_position
-from .radiation import areas_of, looking_down, sensors_in
+from .receivers import looking_down, map_of, sensors_in
 from .rooms import mean_course, nearest, rooms_of, told_of, years_of
 from .sensors import Sensors
 from .site import Site
 from .sky_matrix import require_size
 from .summing import Year
+from .surroundings import is_shiny
 from .weather import Weather
 from .weights import weather_of
 from .words import facts_of
@@ -176,11 +177,8 @@ def _up(weather: Weather, site: Site) -> NDArray[np.bool_]:
 
 
 def _maps(scene: Scene, parts: tuple[Sensors, ...], years: tuple[Year, ...]) -> tuple[SunMap, ...]:
-    maps = []
-    for receiver, sensors, year in zip(scene.receivers, parts, years, strict=True):
-        own: Any = {n: sensors.spread(v.astype(np.float32)) for n, v in year.values.items()}
-        maps.append(SunMap(receiver.name, own, areas_of(receiver, sensors)))
-    return tuple(maps)
+    each = zip(scene.receivers, parts, years, strict=True)
+    return tuple(map_of(receiver, sensors, year.values) for receiver, sensors, year in each)
 
 
 def _notes(scene: Scene, record: Daylight, rooms: tuple[Interior, ...]) -> list[str]:
@@ -200,10 +198,12 @@ def _notes(scene: Scene, record: Daylight, rooms: tuple[Interior, ...]) -> list[
             "evenly and is nowhere shaded."
         )
     if record.bounces:
+        shiny = any(is_shiny(body.material) for body in scene.bodies)
+        width = f"{12 / record.subdivision:g}° wide"
         notes.append(
             f"Light is given up after {record.bounces} reflections; over long periods what "
-            "surfaces scatter of the sun comes from suns up to 6° around it, and mirrors show it "
-            f"on the sky's patches, {12 / record.subdivision:g}° wide."
+            "surfaces scatter of the sun comes from suns up to 6° around it"
+            + (f", and mirrors show it on the sky's patches, {width}." if shiny else ".")
         )
     if record.blinds and not rooms[0].veiled:
         notes.append("No body is clear glass, so there are no blinds to close.")

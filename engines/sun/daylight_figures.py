@@ -13,6 +13,7 @@ from .openings import reference_points
 from .probing import told_open
 from .summing import Year
 from .times import moment
+from .words import share_text
 
 _WORKING = (8.0, 18.0)
 _TRIFLE = 0.005  # of the light
@@ -166,10 +167,10 @@ def _said(year: Year, where: str) -> str:
     if not error["illuminance"]:
         return f"{paths} none{where} has found light; what little there may be is not told from 0."
     text = (
-        f"{paths} the mean illuminance{where} is good to {100 * error['illuminance']:.2g} %, the "
-        f"daylight factor to {100 * error['daylight_factor']:.2g} %"
+        f"{paths} the mean illuminance{where} is good to {share_text(error['illuminance'])}, the "
+        f"daylight factor to {share_text(error['daylight_factor'])}"
     )
-    hour = f", a single hour to {100 * error['hour']:.2g} %" if "hour" in error else ""
+    hour = f", a single hour to {share_text(error['hour'])}" if "hour" in error else ""
     return f"{text}{hour} (95 %, root mean square over the sensors)." + _given_up(year)
 
 
@@ -177,4 +178,4 @@ def _given_up(year: Year) -> str:
     """What is said where light that is reflected more often than asked is more than a trifle."""
     if year.given_up < _TRIFLE:
         return ""
-    return f" Some {100 * year.given_up:.1g} % more would come by more reflections."
+    return f" Some {share_text(year.given_up)} more would come by more reflections."

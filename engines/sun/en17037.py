@@ -15,6 +15,7 @@ from .times import moment
 from .visibility import visible
 
 LEVELS = ("none", "minimum", "medium", "high")
+"""What figures call levels, by their number."""
 TARGET, LEAST = (300.0, 500.0, 750.0), (100.0, 300.0, 500.0)
 """lx in half of the daylight hours, over half of the area and over 95 % of it [table A.1]."""
 TARGET_AREA, LEAST_AREA = 0.5, 0.95

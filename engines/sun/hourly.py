@@ -99,17 +99,17 @@ def _notes(
     if lost.any():
         energy = float(weather.direct_normal[lost] @ weather.hours[lost]) / 1000
         notes.append(
-            f"The sun is below the horizon in the middle of {int(lost.sum())} intervals with "
+            f"The sun is below the horizon in the middle of {int(lost.sum()):,} intervals with "
             f"direct light: {energy:.3g} kWh/m² normal to it are left out."
         )
     night = chosen & (altitude < _NIGHT) & (weather.global_horizontal > 0)
     if night.any():
         notes.append(
-            f"{int(night.sum())} intervals of “{weather.source}” have daylight with the sun more "
+            f"{int(night.sum()):,} intervals of “{weather.source}” have daylight with the sun more "
             f"than {-_NIGHT:g}° below the horizon: check the latitude, longitude and UTC offset of "
             "the site."
         )
     dry = int(np.isnan(weather.dew_point[chosen]).sum())
     if quantity == "light" and dry:
-        notes.append(f"{dry} intervals have no dew point: {DEW_POINT:g} °C is taken for them.")
+        notes.append(f"{dry:,} intervals have no dew point: {DEW_POINT:g} °C is taken for them.")
     return tuple(notes)

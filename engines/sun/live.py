@@ -21,10 +21,9 @@ from .radiation import (
     maps_of,
     meta_of,
     notes_of,
-    sensors_in,
-    sensors_on,
     unreflected,
 )
+from .receivers import sensors_in, sensors_on
 from .remembered import Remembered
 from .sensors import Sensors, joined
 from .visibility import require_room, visible

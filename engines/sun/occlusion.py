@@ -98,8 +98,17 @@ class Occluders:
 
 def bodies_of(scene: Scene) -> tuple[Body, ...]:
     """A scene's bodies, and its receivers as bodies that block light as well."""
-    matte = Material(kind="diffuse")
-    return (*scene.bodies, *(Body(r.name, mesh_of(r), matte) for r in scene.receivers))
+    return (*scene.bodies, *map(body_of, scene.receivers))
+
+
+def body_of(receiver: Receiver | Surface) -> Body:
+    """A receiver as a body that blocks light and returns it as a matte one."""
+    matte = Material(kind="diffuse", reflectance=receiver.reflectance)
+    if isinstance(receiver, Surface):
+        return Body(receiver.name, receiver.mesh, matte)
+    o, u, v = receiver.origin, receiver.u, receiver.v
+    corners = np.array([o, o + u, o + u + v, o + v])
+    return Body(receiver.name, Mesh(corners, np.array([[0, 1, 2, 3]], np.int32)), matte)
 
 
 def is_pane(material: Material) -> bool:
@@ -115,13 +124,6 @@ def _check(body: Body) -> None:
         raise SceneError(
             f"“{body.name}” has vertices that are not finite numbers; rebuild its mesh."
         )
-
-
-def mesh_of(receiver: Receiver | Surface) -> Mesh:
-    if isinstance(receiver, Receiver):
-        o, u, v = receiver.origin, receiver.u, receiver.v
-        return Mesh(np.array([o, o + u, o + u + v, o + v]), np.array([[0, 1, 2, 3]], np.int32))
-    return receiver.mesh
 
 
 def _heap(material: Material, moving: bool) -> str:

@@ -18,6 +18,7 @@ from ..core.glazing import goes_by_transmittance, highest_transmittance, normal_
 from ..core.progress import SILENT, Progress
 from ..core.scene import Body, Material
 from . import bits
+from .occlusion import is_pane
 from .rays import Fired, Rays
 from .soup import Soup
 
@@ -50,14 +51,11 @@ def transmittances(
 
 
 def told(soup: Soup) -> tuple[str, ...]:
-    """What to tell of the panes: that rays stay straight, and whose tint is left out."""
-    if not soup.bodies:
+    """What to tell of the panes among bodies: that rays stay straight, whose tint is left out."""
+    glass = [(n, body) for n, body in enumerate(soup.bodies) if is_pane(body.material)]
+    if not glass:
         return ()
-    flat = [
-        body.name
-        for number, body in enumerate(soup.bodies)
-        if tint(body.material) > 0 and not soup.closed(number)
-    ]
+    flat = [body.name for n, body in glass if tint(body.material) > 0 and not soup.closed(n)]
     return (
         "Sun goes straight through clear glass here, less what that reflects and absorbs, which is "
         "lost; how it is bent, gathered and thrown back, photon tracing shows.",
@@ -66,7 +64,7 @@ def told(soup: Soup) -> tuple[str, ...]:
             "transmittance."
             for n in flat
         ),
-        *(_too_clear(body) for body in soup.bodies if _is_too_clear(body.material)),
+        *(_too_clear(body) for _, body in glass if _is_too_clear(body.material)),
     )
 
 

@@ -2,31 +2,27 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any, cast
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import VERSION
-from ..core.errors import SceneError
 from ..core.parameters import nested, param, to_table
 from ..core.progress import SILENT, Progress, part
-from ..core.scene import Receiver, Scene, Surface, Vector
+from ..core.scene import Scene, Vector
 from .gathering import Free, Gathered, gather, unobstructed
 from .hidden import hidden
 from .maps import SunMap, SunMaps, figures_of, quantities_of
 from .occlusion import Occluders, bodies_of, is_pane
 from .periods import Period, period_text
+from .receivers import looking_down, map_of, sensors_in
 from .reflected import Reflected, reflect
-from .sensors import Sensors, joined, of_receiver
+from .sensors import Sensors, joined
 from .site import Site
-from .surroundings import returned_by
+from .surroundings import is_shiny, returned_by
 from .weights import Sources, sources_of, weather_of
-from .winding import wound
-from .words import facts_of
-
-_DOWN = -0.5  # the mean of a receiver's normals, below which it is said to look down
+from .words import facts_of, share_text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,7 +83,7 @@ def study_radiation(
     notes = notes_of(scene, occluders, parts, found)
     if thrown:
         hourly["reflected"] = thrown.course
-        notes += [*thrown.notes, said_of(thrown, record)]
+        notes += [*thrown.notes, said_of(scene, thrown, record)]
     else:
         notes += unreflected(scene, "raise Bounces to add it")
     meta = meta_of(record, sources, notes)
@@ -107,13 +103,6 @@ def light_of(record: Radiation) -> Sources:
         accuracy=record.accuracy,
         ground_reflectance=record.ground_reflectance,
     )
-
-
-def sensors_in(scene: Scene) -> tuple[Sensors, ...]:
-    """The sensors of each of a scene's receivers. Raises SceneError where there are none."""
-    if not scene.receivers:
-        raise SceneError("Nothing is measured: add a receiver, a plane or a mesh, to the scene.")
-    return tuple(sensors_on(receiver) for receiver in scene.receivers)
 
 
 def maps_of(
@@ -143,8 +132,8 @@ def maps_of(
     maps = []
     for receiver, sensors, end in zip(scene.receivers, parts, ends.tolist(), strict=True):
         rows = slice(end - len(sensors), end)
-        own = {name: spread(sensors, some[rows]) for name, some in values.items()}
-        maps.append(SunMap(receiver.name, own, areas_of(receiver, sensors)))
+        own = {name: some[rows] for name, some in values.items()}
+        maps.append(map_of(receiver, sensors, own))
     return tuple(maps)
 
 
@@ -183,13 +172,16 @@ def unreflected(scene: Scene, remedy: str) -> list[str]:
     return told
 
 
-def said_of(thrown: Reflected, record: Radiation) -> str:
+def said_of(scene: Scene, thrown: Reflected, record: Radiation) -> str:
     """How well what is reflected is known."""
-    return (
+    told = (
         f"Light is given up after {record.bounces} reflections; what is reflected is known to "
-        f"{100 * thrown.error:.2g} % (95 %). In mirrors the sun is spread over the sky's patches, "
-        f"{12 / record.subdivision:g}° wide."
+        f"{share_text(thrown.error)} (95 %)."
     )
+    if any(is_shiny(body.material) for body in scene.bodies):
+        width = f"{12 / record.subdivision:g}° wide"
+        told += f" In mirrors the sun is spread over the sky's patches, {width}."
+    return told
 
 
 def meta_of(record: Radiation, sources: Sources, notes: Sequence[str]) -> dict[str, Any]:
@@ -208,37 +200,3 @@ def meta_of(record: Radiation, sources: Sources, notes: Sequence[str]) -> dict[s
         "version": VERSION,
     }
     return meta | {"facts": facts_of(meta)}
-
-
-def spread(sensors: Sensors, values: Vector, fill: float = np.nan) -> NDArray[np.float32]:
-    """``values`` (N,) of a receiver's sensors on its map."""
-    return cast(NDArray[np.float32], sensors.spread(values.astype(np.float32), fill))
-
-
-def looking_down(scene: Scene, parts: Sequence[Sensors]) -> list[str]:
-    """A sentence on each receiver whose only side looks down, as with reversed normals."""
-    return [
-        f"“{receiver.name}” looks down, away from sun and sky; if it should not, turn its normals."
-        for receiver, sensors in zip(scene.receivers, parts, strict=True)
-        if receiver.sides == "front" and sensors.normals[:, 2].mean() < _DOWN
-    ]
-
-
-def sensors_on(receiver: Receiver | Surface) -> Sensors:
-    """The sensors of a receiver, with notes on a mesh that looks two ways or inward.
-
-    Raises SceneError where it has no area, or no place for each part of it in its map.
-    """
-    sensors = of_receiver(receiver)
-    if not len(sensors):
-        raise SceneError(f"Receiver “{receiver.name}” has no area to measure on; give it faces.")
-    if isinstance(receiver, Receiver):
-        return sensors
-    said = wound(receiver)
-    return replace(sensors, notes=(*sensors.notes, *said), doubtful=bool(said))
-
-
-def areas_of(receiver: Receiver | Surface, sensors: Sensors) -> NDArray[np.float32]:
-    """What each texel stands for (rows, columns), 0 where there is no sensor."""
-    areas = spread(sensors, sensors.areas, 0.0)
-    return areas if receiver.sides == "front" else areas[0]

@@ -6,19 +6,19 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ..core.progress import SILENT, Progress, part
-from ..core.scene import Body, Material, Scene, Vector
+from ..core.scene import Scene, Vector
 from .coefficients import Sought, blocks, daylight_coefficients
 from .dome import Dome
 from .gathering import weights_of
 from .illuminance import spread_suns
-from .occlusion import mesh_of
+from .occlusion import bodies_of
 from .scattered_suns import scattered_suns
 from .sensors import Sensors
 from .shadow_rays import aims_at
 from .site import to_model
 from .sky import Suns
 from .sky_matrix import matrix_blocks
-from .surroundings import Surroundings
+from .surroundings import Surroundings, is_shiny
 from .weights import Sources
 
 
@@ -59,9 +59,9 @@ def reflect(
     suns that are spread over the sky's patches. Paths are followed until the 95 % half-width over
     the mean is at most ``error``, or `Sought.paths` rounds are. Raises RuntimeMissing, Cancelled.
     """
-    bodies = surfaces_in(scene)
+    bodies = bodies_of(scene)
     around = Surroundings(bodies)
-    shiny = any(body.material.kind in ("mirror", "plastic") for body in bodies)
+    shiny = any(is_shiny(body.material) for body in bodies)
     lights = _lights_of(sources, error, shiny)
     found, spread = np.empty((2, len(sensors)))
     mean = np.zeros((3, lights.dome.count))
@@ -123,14 +123,3 @@ def _course(sources: Sources, lights: _Lights, patches: Vector, suns: Vector) ->
     for which, block in matrix_blocks(sources.hourly, sources.patches, "none"):
         course[which] += block @ both[:-1]
     return course
-
-
-def surfaces_in(scene: Scene) -> tuple[Body, ...]:
-    """A scene's bodies, and its receivers as matte ones of their own reflectance."""
-    return (
-        *scene.bodies,
-        *(
-            Body(r.name, mesh_of(r), Material(kind="diffuse", reflectance=r.reflectance))
-            for r in scene.receivers
-        ),
-    )

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from ..core.progress import Progress, part
-from ..core.scene import Body, Material, Scene, Vector
+from ..core.scene import Body, Scene, Vector
 from . import summing
 from .annual import year_of
 from .illuminance import Course
 from .interior import Interior
-from .occlusion import mesh_of
+from .occlusion import body_of
 from .sensors import Sensors, joined
 from .summing import Year
 
@@ -37,14 +37,7 @@ def rooms_of(scene: Scene, parts: tuple[Sensors, ...], asked: Asked) -> tuple[In
 
 def surfaces_of(scene: Scene) -> tuple[Body, ...]:
     """A scene's bodies, and those of its receivers that return light as matte ones."""
-    return (
-        *scene.bodies,
-        *(
-            Body(r.name, mesh_of(r), Material(kind="diffuse", reflectance=r.reflectance))
-            for r in scene.receivers
-            if r.reflectance > 0
-        ),
-    )
+    return (*scene.bodies, *(body_of(r) for r in scene.receivers if r.reflectance > 0))
 
 
 def years_of(
@@ -78,8 +71,8 @@ def nearest(rooms: tuple[Interior, ...], sensors: Sensors) -> Interior:
 
 def told_of(scene: Scene, rooms: tuple[Interior, ...], years: tuple[Year, ...]) -> Iterator[str]:
     """What is said of the bodies, and of each receiver's sensors by its name."""
-    of_all = rooms[0].around.told()
-    yield from of_all
-    for receiver, year in zip(scene.receivers, years, strict=True):
+    yield from rooms[0].around.told()
+    for receiver, room, year in zip(scene.receivers, rooms, years, strict=True):
+        yield from room.sensors.notes
         name = f"“{receiver.name}”: " if len(years) > 1 else ""
-        yield from (f"{name}{note}" for note in year.notes if note not in of_all)
+        yield from (f"{name}{note}" for note in year.notes)

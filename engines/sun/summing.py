@@ -56,12 +56,14 @@ class Asked(Protocol):
 class Year:
     """What a year of T intervals comes to on N sensors.
 
-    ``values``: name of `maps.QUANTITIES` → (N,). ``reached`` (N, 4): shares of the daylight hours,
-    in whose middle the sun is up, with each of `en17037.LIMITS`. ``course`` (T,): mean illuminance
-    over the sensors by area in lx; ``closed`` (T,): when the blinds are closed in the hours that
-    count. ``errors``: 95 % half-width ÷ mean, root mean square over the sensors, of "illuminance",
-    "daylight_factor" and a single "hour". ``given_up``: what share of the light, about, is left out
-    for being reflected too often. ``paths``: the most that were followed from a sensor.
+    ``values``: name of `tables.QUANTITIES` → (N,). ``reached`` (N, 4): shares of the daylight
+    hours, in whose middle the sun is up, with each of `en17037.LIMITS`. ``course`` (T,): mean
+    illuminance over the sensors by area in lx; ``closed`` (T,): when the blinds are closed in the
+    hours that count. ``errors``: 95 % half-width ÷ mean, root mean square over the sensors, of
+    "illuminance", "daylight_factor" and a single "hour". ``given_up``: what share of the light,
+    about, is left out for being reflected too often. ``paths``: the most that were followed from a
+    sensor.
+    ``notes``: on sensors that lie inside a solid.
     """
 
     values: dict[str, Vector]
@@ -249,7 +251,7 @@ class Summing:
             errors,
             _ratio(self.given_up, mean),
             self.paths,
-            (*self.interior.sensors.notes, *self.interior.around.told(), *self._buried()),
+            self._buried(),
         )
 
     def _buried(self) -> tuple[str, ...]:

@@ -38,11 +38,7 @@ class Surroundings:
 
     def told(self) -> tuple[str, ...]:
         """What is left out of how its materials treat light, a sentence each."""
-        return (*_left_out(self.soup.bodies), *panes.told(self._only_panes()))
-
-    def _only_panes(self) -> Soup:
-        glass = tuple(body for body in self.soup.bodies if is_pane(body.material))
-        return Soup(glass, self.soup.centre)
+        return (*_left_out(self.soup.bodies), *panes.told(self.soup))
 
 
 def _records(soup: Soup) -> NDArray[np.float32]:
@@ -74,6 +70,11 @@ def returned_by(material: Material) -> tuple[float, float]:
         case "mirror":
             return material.reflectance, material.reflectance
     return 0.0, 0.0
+
+
+def is_shiny(material: Material) -> bool:
+    """Whether it returns some of the light as a mirror does."""
+    return returned_by(material)[1] > 0
 
 
 def _left_out(bodies: tuple[Body, ...]) -> Iterator[str]:

@@ -165,7 +165,7 @@ def site_from(texts: Sequence[str], name: str, line: int) -> Site:
 
 def counted(count: int | np.integer, what: str) -> str:
     """“1 value”, “3 values”."""
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+    return f"{count} {what}" if count == 1 else f"{count:,} {what}s"
 
 
 def _is_number(text: str) -> bool:

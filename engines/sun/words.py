@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..core.parameters import from_table
+from .en17037 import LEVELS
 from .site import Site, place_text
 from .tables import QUANTITIES
-
-LEVELS = ("none", "minimum", "medium", "high")
-"""The levels of EN 17037 by their number."""
 
 _KINDS = {"mean": "", "min": ", least", "max": ", greatest", "sum": ", sum"}
 _ERROR = "Error (95 %)"
@@ -29,8 +27,9 @@ _PATTERNS = (
     (r"error_hour", _ERROR, "Single hour"),
 )
 _GRAVE = (
-    *("lie inside", "looks down", "face away", "hidden", "never up", "deleted"),
-    *("check the", "no area", "guessed", "by its name", "named", "No body is clear glass"),
+    *("lie inside", "looks down", "looks inward", "wrong side", "face away", "hidden"),
+    *("never up", "deleted", "check the", "no area", "No floor", "guessed", "by its name"),
+    *("named", "No body is clear glass"),
 )
 _THIN_SPACE = "\u2009"
 
@@ -76,6 +75,11 @@ def number_text(value: float) -> str:
         return text if "e" not in text else "0"
     whole = round(value) if abs(value) < 10_000 else round(float(f"{value:.3g}"))
     return f"{whole:,}".replace(",", _THIN_SPACE) if abs(whole) >= 10_000 else str(whole)
+
+
+def share_text(share: float) -> str:
+    """An error or another share of two digits: “3.7 %”, “20 %”, “120 %”."""
+    return f"{number_text(float(f'{100 * share:.2g}'))} %"
 
 
 def facts_of(meta: Mapping[str, Any]) -> dict[str, str]:

@@ -167,6 +167,13 @@ def test_live_sun_says_what_is_wrong_and_goes_on(ground):
     assert not live_sun.state.problem
 
 
+def test_live_sun_says_what_is_hidden(ground):
+    bpy.data.objects["Canopy"].hide_set(True)
+    scene = bpy.context.scene
+    scene.heliform.live_sun = True
+    assert "“Canopy” is hidden and left out." in sun.facts_of(scene)["notes"]
+
+
 def test_live_sun_leaves_no_files(ground):
     bpy.context.scene.heliform.live_sun = True
     assert not list(Path(bpy.app.tempdir).glob("live-*"))

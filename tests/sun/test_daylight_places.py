@@ -1,11 +1,13 @@
 """Each receiver of a study of daylight is a place by itself, with figures of its front."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from heliform.engines.core.scene import Material, Receiver, Scene
 from heliform.engines.sun.daylight import Daylight, WorkingHours, illuminance_at, study_daylight
+from heliform.engines.sun.rooms import rooms_of, told_of
 from heliform.engines.sun.sensors import of_receiver
 from sun.rooms import matte
 from sun.shades import box
@@ -52,6 +54,18 @@ def study(bodies, *receivers, record=YEAR, **changes):
 def of_standards(figures, prefix=""):
     own = {n.removeprefix(prefix): f["value"] for n, f in figures.items() if n.startswith(prefix)}
     return {name: value for name, value in own.items() if name.startswith(STANDARDS)}
+
+
+def test_notes_name_their_receiver_once():
+    tower = box("tower", [2, 2, 2], [0, 0, 0.8], matte(0.5))
+    scene = Scene((tower,), (), (plane("desk"), plane("bench", 1.0, (9, 0, 0.8))))
+    first, second = map(of_receiver, scene.receivers)
+    flat = "“desk”: 1 face has no area and no sensor."
+    parts = (dataclasses.replace(first, notes=(flat,)), second)
+    buried = "1 of 16 sensors lie inside “tower” and see nothing."
+    years = (SimpleNamespace(notes=(buried,)), SimpleNamespace(notes=()))
+    said = list(told_of(scene, rooms_of(scene, parts, YEAR), years))
+    assert said == [flat, f"“desk”: {buried}"]
 
 
 def test_a_place_in_the_dark_takes_nothing_from_one_in_the_light():

@@ -9,7 +9,7 @@ from heliform.engines.core.unwrap import unwrap
 from heliform.engines.sun.daylight import Daylight, WorkingHours, study_daylight
 from heliform.engines.sun.live import LiveSun
 from heliform.engines.sun.radiation import study_radiation
-from heliform.engines.sun.winding import wound
+from heliform.engines.sun.receivers import wound
 from sun.floors import QUICK, SUMMER, floor
 from sun.shades import box, level, sheet
 

@@ -10,7 +10,9 @@ from heliform.engines.sun.words import (
     figure_text,
     figure_title,
     figure_words,
+    matters,
     number_text,
+    share_text,
 )
 
 
@@ -67,3 +69,24 @@ def test_where_and_when_is_said():
     assert facts["Clock"].startswith("UTC+9:30")
     assert facts["+Y axis"] == "340°, clockwise from north"
     assert facts["Weather"] == "Sydney"
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [(0.0374, "3.7 %"), (0.2, "20 %"), (1.234, "120 %"), (0.0004, "0.04 %"), (0.0, "0 %")],
+)
+def test_a_share_has_two_digits_and_no_exponent(share, text):
+    assert share_text(share) == text
+
+
+@pytest.mark.parametrize(
+    "note",
+    [
+        "“House” is closed and looks inward, so it is measured on its inner side.",
+        "“House”: 3 edges have faces that look opposite ways, so part of it is measured on its "
+        "wrong side.",
+        "No floor lies below “Desk”: light of the open ground comes up through it.",
+    ],
+)
+def test_what_a_receiver_measures_amiss_matters(note):
+    assert matters(note)
