@@ -21,6 +21,9 @@ Quantity = Literal["radiation", "light"]
 _NIGHT = -10.0
 """The sun's altitude in degrees, below which it has not been up for a moment of the hour."""
 
+_TRIFLE = 2e-3
+"""Of a period's direct light, which may be left out without a word."""
+
 
 @dataclass(frozen=True, slots=True)
 class HourlySkies:
@@ -96,8 +99,10 @@ def _notes(
     if not np.any(altitude[chosen] > 0):
         notes.append("The sun is never above the horizon in the period: it gives no direct light.")
     lost = chosen & (altitude <= 0) & (weather.direct_normal > 0)
-    if lost.any():
-        energy = float(weather.direct_normal[lost] @ weather.hours[lost]) / 1000
+    energy, whole = (
+        float(weather.direct_normal[some] @ weather.hours[some]) / 1000 for some in (lost, chosen)
+    )
+    if energy > _TRIFLE * whole:
         notes.append(
             f"The sun is below the horizon in the middle of {int(lost.sum()):,} intervals with "
             f"direct light: {energy:.3g} kWh/m² normal to it are left out."

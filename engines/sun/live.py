@@ -5,12 +5,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ..core.errors import SceneError
 from ..core.parameters import digest
-from ..core.scene import Receiver, Scene, Surface, Vector
+from ..core.scene import Receiver, Scene, Surface
 from .gathering import Free, Gathered, gather, gathered, unobstructed
 from .maps import SunMaps, figures_of, quantities_of
 from .occlusion import Occluders, bodies_of
@@ -26,7 +23,7 @@ from .radiation import (
 from .receivers import sensors_in, sensors_on
 from .remembered import Remembered
 from .sensors import Sensors, joined
-from .visibility import require_room, visible
+from .visibility import require_room
 from .weights import Sources
 
 _COARSE = 2  # subdivision of the sky at most
@@ -71,29 +68,6 @@ class LiveSun:
         meta |= {"figures": figures_of(maps), "quantities": quantities_of(maps), "seed": 0}
         meta["seconds"] = time.perf_counter() - started
         return SunMaps(maps, sources.times if hourly else sources.times[:0], means, meta)
-
-    def at_sensor(
-        self, scene: Scene, record: Radiation, receiver: str, texel: tuple[int, ...]
-    ) -> tuple[NDArray[np.datetime64], dict[str, Vector]]:
-        """Times (T,), UTC, and direct, diffuse and open irradiance (T,) in W/m² at one sensor.
-
-        ``texel``: (row, column), or (side, row, column) where both sides gather. Raises SceneError
-        where no sensor is.
-        """
-        sources = self._light(record)
-        names = [r.name for r in scene.receivers]
-        if receiver not in names:
-            raise SceneError(f"There is no receiver “{receiver}”; pick a sensor of {names}.")
-        sensors = self._parts(scene)[names.index(receiver)]
-        there = len(texel) == len(sensors.shape) and np.less(texel, sensors.shape).all()
-        home = int(np.ravel_multi_index(texel, sensors.shape)) if there else -1
-        found = np.flatnonzero(sensors.home == home)
-        if not len(found):
-            raise SceneError(f"“{receiver}” has no sensor at {texel}; pick another place.")
-        one = sensors.some(found)
-        seen = visible(self._placed(scene), one, sources.directions).values()[0]
-        free = unobstructed(one, sources)
-        return sources.times, course_of(sources, np.outer(seen, one.normals[0]), free)
 
     def _gathered(self, occluders: Occluders, sensors: Sensors, sources: Sources) -> Gathered:
         """From what is remembered of the sensors, unless they are too many for that."""

@@ -59,22 +59,6 @@ def test_the_hours_are_there_where_they_are_asked_for():
         assert result.hourly[name] == pytest.approx(values, rel=1e-5, abs=1e-6)
 
 
-def test_a_picked_sensors_hours_make_up_its_texel():
-    live, given = LiveSun(), scene(1.2)
-    true = replace(RECORD, accuracy=0.0)
-    result = live.radiation(given, true)
-    for texel in ((0, 0), (4, 3), (7, 6)):
-        times, hours = live.at_sensor(given, true, "Floor", texel)
-        assert len(times) == len(hours["direct"])
-        for name, values in hours.items():
-            got = result.maps[0].maps[name][texel]
-            assert values.sum() / 1000 == pytest.approx(got, rel=1e-4)
-    with pytest.raises(SceneError, match="no receiver “Roof”"):
-        live.at_sensor(given, true, "Roof", (0, 0))
-    with pytest.raises(SceneError, match="no sensor at"):
-        live.at_sensor(given, true, "Floor", (8, 0))
-
-
 def test_only_what_moves_is_traced_again(monkeypatch):
     live = LiveSun(moving=("Roof",))
     live.radiation(scene(1.0), RECORD)
