@@ -208,26 +208,14 @@ def write_daylight(folder: Path, brightness: str, sun=None, normal=0.0) -> None:
 
 
 def illuminance(folder: Path, sensors, bounces, samples, threads=2):
-    """Illuminance (N,) of `write_daylight` after up to ``bounces`` reflections, without caching."""
+    """Illuminance (N,) of `write_daylight` after up to ``bounces`` reflections, without caching.
+
+    That of a sky; a sun, whose own light needs no ambient bounce, is reflected once more.
+    """
     command = (
         *("rtrace", "-n", threads, "-h", "-fff", "-I", "-ab", bounces + 1, "-ad", samples),
-        *(
-            "-as",
-            0,
-            "-aa",
-            0,
-            "-lw",
-            1e-4 / samples,
-            "-lr",
-            20,
-            "-dt",
-            0,
-            "-dj",
-            0,
-            "-ds",
-            0,
-            "day.oct",
-        ),
+        *("-as", 0, "-aa", 0, "-lw", 1e-4 / samples, "-lr", 20, "-dt", 0, "-dj", 0, "-ds", 0),
+        "day.oct",
     )
     found = run(folder, *command, data=rays(sensors))
     return np.frombuffer(found, "<f4").reshape(-1, 3)[:, 1].astype(float)

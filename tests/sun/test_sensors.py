@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from heliform.engines.core.errors import ParameterError, SceneError
-from heliform.engines.core.scene import Mesh, Plane, Receiver, Surface, plane_receiver
+from heliform.engines.core.scene import Mesh, Plane, Receiver, Scene, Surface, plane_receiver
 from heliform.engines.core.unwrap import unwrap
+from heliform.engines.sun.periods import Period
+from heliform.engines.sun.radiation import Radiation, study_radiation
 from heliform.engines.sun.sensors import at_points, joined, of_receiver, on_mesh, on_plane
 from sun.shades import box
 
@@ -130,6 +132,15 @@ def test_sensors_lie_on_a_surface_that_bends(texels):
         apart = distance(some.points, surface.mesh, some.normals)
         assert apart == pytest.approx(np.zeros(len(some)), abs=1e-12)
     assert some.areas.sum() == pytest.approx(of_receiver(surface).areas.sum())
+
+
+@pytest.mark.parametrize("texels", [7, 16, 33])
+def test_nothing_hides_the_sky_from_a_surface_that_bends_outward(texels):
+    _, surface = dome(8, texels)
+    period = Period(span="summer solstice")
+    maps = study_radiation(Scene((), (), (surface,)), Radiation(period=period)).maps[0].maps
+    there = np.isfinite(maps["total"])
+    assert maps["total"][there] == pytest.approx(maps["open"][there], rel=2e-3)
 
 
 def distance(points, mesh, normals):
