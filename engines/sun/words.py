@@ -12,7 +12,7 @@ from .tables import QUANTITIES
 
 _KINDS = {"mean": "", "min": ", least", "max": ", greatest", "sum": ", sum"}
 _ERROR = "Error (95 %)"
-_FIRST = (*_KINDS, "sda", "ase", "blinds", "en17037", "error")
+_FIRST = (*_KINDS, "sda", "ase", "blinds", "en17037", "error", "given")
 """What names of figures begin with."""
 _PATTERNS = (
     (r"sda_([\d.]+)_([\d.]+)_without_blinds", "LM-83", r"sDA \1/\2, no blinds"),
@@ -25,6 +25,7 @@ _PATTERNS = (
     (r"en17037_sunlight_hours", "EN 17037", "Sunlight"),
     (r"en17037_sunlight_level", "EN 17037", "Sunlight level"),
     (r"error_hour", _ERROR, "Single hour"),
+    (r"given_up", "", "After last bounce"),
 )
 _GRAVE = (
     *("lie inside", "looks down", "looks inward", "wrong side", "face away", "hidden"),

@@ -25,6 +25,7 @@ from heliform.engines.sun.words import (
         ("en17037_target_300", ("EN 17037", "Target 300 lx")),
         ("en17037_sunlight_level", ("EN 17037", "Sunlight level")),
         ("error_daylight_factor", ("Error (95 %)", "Daylight factor")),
+        ("given_up", ("", "After last bounce")),
         ("something_new", ("", "Something new")),
     ],
 )
