@@ -60,7 +60,7 @@ def gather(context: bpy.types.Context, analysis: Analysis) -> Gathered:
         objects={r.name: context.scene.objects[r.name] for r in given.receivers},
         notes=tuple(notes),
         remarks=sun_said.hidden_notes(context.view_layer),
-        display=Display(palette=context.scene.heliform.sun_display.palette, log=False),
+        display=sun_said.display_of(context.scene),
     )
 
 

@@ -7,11 +7,12 @@ from typing import Any
 
 import bpy
 
+from ...engines.core.colour import Display
 from ...engines.core.errors import HeliformError
 from ...engines.core.parameters import from_table, to_table
 from ...engines.sun import Daylight, Radiation
 from ...engines.sun.periods import Period, period_text
-from ..properties import parameters
+from ..properties import parameters, read
 from ..sun_place import site_of
 
 _WIDE = 32  # letters in a line of a legend
@@ -26,6 +27,11 @@ def asked(scene: bpy.types.Scene, record: type) -> Any:
     file = parameters(scene, Radiation).weather_file
     whole = file and bpy.path.abspath(file)
     return replace(parameters(scene, record), site=site_of(scene), weather_file=whole)
+
+
+def display_of(scene: bpy.types.Scene) -> Display:
+    """How a study's files are drawn: in the scene's palette, on a linear scale."""
+    return Display(palette=read(scene.heliform.sun_display, Display).palette, log=False)
 
 
 def is_stale(scene: bpy.types.Scene, facts: dict[str, Any]) -> bool:

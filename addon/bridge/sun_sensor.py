@@ -7,7 +7,7 @@ import numpy as np
 from mathutils import Vector
 
 from ...engines.core.analysis import Analysis
-from ...engines.core.colour import Display, scale_for
+from ...engines.core.colour import scale_for
 from ...engines.core.scene import Receiver, Scene
 from ...engines.sun import SUN_DAYLIGHT, SUN_RADIATION
 from ...engines.sun.maps import SunMaps
@@ -15,7 +15,7 @@ from ...engines.sun.occlusion import bodies_of
 from ...engines.sun.rooms import surfaces_of
 from ...engines.sun.temporal import temporal_map, temporal_picture
 from ...engines.sun.words import number_text
-from ..properties import read, scale_of
+from ..properties import scale_of
 from ..staging import Gathered, Objects, Staging
 from . import results, sun, sun_said
 
@@ -44,7 +44,7 @@ def staging_at(obj: bpy.types.Object, place: Vector, normal: Vector) -> Staging:
         bodies = surfaces_of if analysis is SUN_DAYLIGHT else bodies_of
         scene = Scene(bodies(given), (), (sensor,))
         record = sun_said.asked(context.scene, analysis.record)
-        display = Display(palette=context.scene.heliform.sun_display.palette, log=False)
+        display = sun_said.display_of(context.scene)
         return Gathered(sensor.name, scene, record, {sensor.name: obj}, display=display)
 
     def stage(
@@ -72,8 +72,7 @@ def _picture(scene: bpy.types.Scene, name: str, result: SunMaps) -> bpy.types.Im
     light = result.meta["kind"] == "daylight"
     quantity, unit = ("Illuminance", "lx") if light else ("Irradiance", "W/m²")
     values = np.sum([result.hourly[n] for n in result.hourly if n != "open"], axis=0)
-    display = Display(log=False, palette=read(scene.heliform.sun_display, Display).palette)
-    colours = scale_for(values, display, quantity, unit)
+    colours = scale_for(values, sun_said.display_of(scene), quantity, unit)
     grid = temporal_map(result.times, values, result.meta["site"]["utc_offset"])
     said = result.meta["facts"]
     where = ", ".join(said[fact] for fact in ("Period", "Place", "Weather"))

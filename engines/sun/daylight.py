@@ -19,6 +19,7 @@ from .illuminance import Course, course_of
 from .interior import Interior
 from .maps import SunMap, SunMaps, quantities_of
 from .metrics import Light
+from .outdoors import Outdoors
 from .periods import Period, period_text, season_notes, selected
 from .position import sun_position
 from .receivers import looking_down, map_of, sensors_in
@@ -46,20 +47,12 @@ class WorkingHours(Period):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Daylight:
+class Daylight(Outdoors):
     """Where and when, how far light is followed, and what it is held against."""
 
-    site: Site = nested(Site, "Where the model stands and which way it is turned")  # noqa: RUF009
-    weather_file: str = param("", help="EPW, TMY3, NSRDB or PVGIS; empty: a cloudless year")
     period: WorkingHours = nested(WorkingHours, "Part of the year that counts")  # noqa: RUF009
     subdivision: int = param(2, "", 1, 4, "The sky has 144 times this squared patches and one")
-    accuracy: float = param(
-        1.0, "deg", 0.0, 30.0, "Suns this near to one another are traced as one; 0: every sun"
-    )
     bounces: int = param(4, "", 0, 16, "Reflections after which light is given up")
-    ground_reflectance: float = param(
-        0.2, "", 0.0, 1.0, "Share of light that the open ground returns"
-    )
     target: float = param(300.0, "lx", 1.0, 1e5, "Illuminance to be reached, of the autonomies")
     blinds: bool = param(False, help="Panes have blinds, closed by the hour as LM-83 has it")
     blinds_transmittance: float = param(
@@ -73,7 +66,6 @@ class Daylight:
         "95 % half-width ÷ mean of the mean light of sky and reflections",
     )
     paths: int = param(131_072, "", 2048, 10_000_000, "Paths to follow from a sensor at most")
-    open: bool = param(True, help="Also the mean illuminance without any building")
     exposure_month: int = param(3, "", 1, 12, "Month of the day on which sunlight is counted")
     exposure_day: int = param(21, "", 1, 31, "The day, 1 February to 21 March by EN 17037")
     lowest_sun: float = param(10.0, "deg", 0.0, 89.0, "Altitude from which that sunlight counts")

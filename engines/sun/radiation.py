@@ -15,38 +15,29 @@ from .gathering import Free, Gathered, gather, unobstructed
 from .hidden import hidden
 from .maps import SunMap, SunMaps, figures_of, quantities_of
 from .occlusion import Occluders, bodies_of, is_pane
+from .outdoors import Outdoors
 from .periods import Period, period_text
 from .receivers import looking_down, map_of, sensors_in
 from .reflected import Reflected, reflect
 from .sensors import Sensors, joined
-from .site import Site
 from .surroundings import is_shiny, returned_by
 from .weights import Sources, sources_of, weather_of
 from .words import facts_of, share_text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Radiation:
+class Radiation(Outdoors):
     """Where and when, and how finely sun and sky are divided."""
 
-    site: Site = nested(Site, "Where the model stands and which way it is turned")  # noqa: RUF009
-    weather_file: str = param("", help="EPW, TMY3, NSRDB or PVGIS; empty: a cloudless year")
     period: Period = nested(Period, "Part of the year that counts")  # noqa: RUF009
     subdivision: int = param(4, "", 1, 4, "The sky has 144 times this squared patches and one")
-    accuracy: float = param(
-        1.0, "deg", 0.0, 30.0, "Suns this near to one another are traced as one; 0: every sun"
-    )
     suns_per_hour: int = param(
         1, "", 1, 12, "Parts that each of the weather's intervals is cut into; more for single days"
-    )
-    ground_reflectance: float = param(
-        0.2, "", 0.0, 1.0, "Share of light that the open ground returns"
     )
     bounces: int = param(0, "", 0, 16, "Reflections after which light is given up; 0: none")
     error: float = param(
         0.05, "", 0.001, 1.0, "95 % half-width ÷ mean of what is reflected, over the sensors"
     )
-    open: bool = param(True, help="Also what there would be without any building")
 
 
 def study_radiation(

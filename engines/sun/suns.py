@@ -79,7 +79,7 @@ def merged_suns(directions: Vector, weights: Vector, accuracy_deg: float) -> Sun
 def _order(directions: Vector) -> NDArray[np.int64]:
     """An order in which suns that follow each other are near: Z-order over an equal-area map.
 
-    Rays are traced sixteen at a time, half as many again a second where they go alike.
+    Rays are traced sixteen at a time, and faster where they go alike.
     """
     places = directions[:, :2] / np.sqrt(1 + np.abs(directions[:, 2:]))
     x, y = ((places + 1) / 2 * ((1 << _BITS) - 1)).astype(np.int64).T

@@ -18,7 +18,6 @@ from heliform.engines.sun.suns import true_suns
 from heliform.engines.sun.surroundings import Surroundings
 from heliform.engines.sun.visibility import visible
 from heliform.engines.sun.weights import sources_of
-from numpy.testing import assert_allclose
 from peers.skies import gendaymtx, radiance_position, radiance_sun, typical_year
 from peers.sun_scenes import (
     enclosure,
@@ -172,11 +171,16 @@ def test_the_study_is_near_true_suns_and_whole_patches(scene):
     write_sky(folder)
     sky = true.diffuse[suns:] / true.patches.solid_angles
     direct = sun_irradiance(folder, few)
-    theirs = direct + patch_coefficients(folder, few, 2, 16384) @ sky
+    matrix = patch_coefficients(folder, few, 2, 16384)
+    theirs = direct + matrix @ sky
     level = (true.direct + true.diffuse) @ np.maximum(true.directions[:, 2], 0)
     lit = theirs > 0.1 * level
     occluders = Occluders(bodies)
-    assert_allclose(gather(occluders, few, true).direct, direct, rtol=0.01, atol=1.0)
+    sunny = direct > 0.1 * level
+    assert np.abs(errors(gather(occluders, few, true).direct[sunny], direct[sunny])).max() < 0.005
+    # What it costs Radiance itself to have the sun on patches.
+    spread = matrix @ cumulative(weather, site, 2)
+    assert 0.005 < np.sqrt((errors(spread[lit], theirs[lit]) ** 2).mean()) < 0.05
     off = []
     for subdivision in (2, 4):
         merged = sources_of(
@@ -195,7 +199,7 @@ def followed(bodies, sensors, dome, skies, paths, **suns):
     return daylight_coefficients(Surroundings(bodies), sensors, dome, 4, sought)
 
 
-def test_four_bounces_under_an_overcast_sky_are_within_2_percent(scene):
+def test_four_bounces_under_an_overcast_sky_are_within_1_percent(scene):
     """With -lw 3e-6 instead of 1e-8, Radiance would drop so much of it as to be 1 to 5 % darker."""
     bodies, few, _, folder = scene
     some = few.some(slice(None, None, 6))
@@ -205,7 +209,7 @@ def test_four_bounces_under_an_overcast_sky_are_within_2_percent(scene):
     dome = Dome(2, SITE_YEAR.site)
     sky = overcast(dome, GROUND)
     found = followed(bodies, some, dome, np.stack([sky] * 3)[:, :, None], 1 << 17)
-    assert np.abs(errors(found.value[:, 0], theirs)).max() < 0.02
+    assert np.abs(errors(found.value[:, 0], theirs)).max() < 0.01
     # Without what bounces, they would not be.
     assert (found.straight @ sky < 0.99 * found.value[:, 0]).all()
     assert (found.straight @ sky < 0.95 * theirs).any()
@@ -231,10 +235,10 @@ def on_a_clear_day(bodies, sensors, folder, hour):
     ours = course.light(found, direct)[:, 0]
     assert (direct > 0).any()
     assert (direct == 0).any()
-    assert np.abs(errors(ours, theirs)).max() < 0.05
+    assert np.abs(errors(ours, theirs)).max() < 0.03
 
 
-def test_four_bounces_on_a_clear_day_are_within_5_percent(scene):
+def test_four_bounces_on_a_clear_day_are_within_3_percent(scene):
     """Sky, sun, and the reflected sun, at its own place in both."""
     bodies, few, _, folder = scene
     on_a_clear_day(bodies, few.some(slice(None, None, 8)), folder, 16)
@@ -242,6 +246,6 @@ def test_four_bounces_on_a_clear_day_are_within_5_percent(scene):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("hour", [9, 12, 16])
-def test_four_bounces_at_several_hours_are_within_5_percent(scene, hour):
+def test_four_bounces_at_several_hours_are_within_3_percent(scene, hour):
     bodies, few, _, folder = scene
     on_a_clear_day(bodies, few.some(slice(None, None, 8)), folder, hour)
