@@ -42,9 +42,10 @@ class HELIFORM_PT_sun(Room, Panel):
     def draw(self, context: Context) -> None:
         """The weather, the period, the studies."""
         layout, own = self.layout, context.scene.heliform
+        problem = sun_place.weather_problem(context.scene)
         prepare(layout)
         layout.prop(own.radiation, "weather_file", text="Weather", placeholder="Cloudless year")
-        draw_sentence(layout, sun_place.weather_problem(context.scene))
+        draw_sentence(layout, problem)
         _draw_period(layout, own.radiation.period)
         if jobs.state.running:
             draw_progress(layout)
@@ -63,7 +64,7 @@ class HELIFORM_PT_sun(Room, Panel):
             layout.label(text=f"{live_sun.state.rate:.1f} a second", icon="TIME")
         if not runtime.choose().backend:
             draw_sentence(layout, f"Tracing is off: {runtime.choose().reason}.")
-        said = {"", sun_place.weather_problem(context.scene)}
+        said = {"", problem}
         if own.live_sun and live_sun.state.problem not in said:
             draw_sentence(layout, live_sun.state.problem)
         if jobs.state.label in _JOBS and jobs.state.message not in said:
